@@ -1,1 +1,72 @@
-//! (to be written)
+//! The material of a thin sheet: isotropic St. Venant–Kirchhoff, plane stress.
+
+use crate::mesh::Mat2;
+use crate::{Error, Result};
+
+/// Constants of an isotropic thin sheet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Young's modulus Y (Pa), > 0.
+    pub young_pa: f64,
+    /// Poisson's ratio ν (no unit), −1 < ν ≤ 0.5.
+    pub poisson: f64,
+    /// Thickness h (m), > 0.
+    pub thickness_m: f64,
+}
+
+impl Material {
+    /// A checked material.
+    ///
+    /// # Errors
+    /// [`Error::Value`] if a constant is not finite or out of its range.
+    pub fn new(young_pa: f64, poisson: f64, thickness_m: f64) -> Result<Self> {
+        if !(young_pa.is_finite() && young_pa > 0.0) {
+            return Err(Error::value("young", format!("Young's modulus is {young_pa} Pa; give a number above 0")));
+        }
+        if !(poisson > -1.0 && poisson <= 0.5) {
+            return Err(Error::value("poisson", format!("Poisson's ratio is {poisson}; give a number above -1 and at most 0.5")));
+        }
+        if !(thickness_m.is_finite() && thickness_m > 0.0) {
+            return Err(Error::value("thickness", format!("the thickness is {thickness_m} m; give a number above 0")));
+        }
+        Ok(Self { young_pa, poisson, thickness_m })
+    }
+
+    /// First Lamé constant for plane stress, α = Yν/(1−ν²) (Pa); eq. 33 of [Chen 2021].
+    pub fn alpha(&self) -> f64 {
+        self.young_pa * self.poisson / (1.0 - self.poisson * self.poisson)
+    }
+
+    /// Second Lamé constant, β = Y/(2(1+ν)) (Pa); eq. 33 of [Chen 2021].
+    pub fn beta(&self) -> f64 {
+        self.young_pa / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// ‖M‖²_SV = α/2·tr²M + β·tr(M²) (Pa) of a symmetric `m` in an orthonormal rest frame; eq. 4 of [Chen 2021].
+    pub fn norm_squared(&self, m: &Mat2) -> f64 {
+        let trace = m.trace();
+        self.alpha() / 2.0 * trace * trace + self.beta() * (m * m).trace()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniaxial_stress_costs_half_young() {
+        // A strip pulled along x narrows by ν: the norm of diag(1, −ν) is Y/2.
+        for poisson in [-0.5, 0.0, 0.3, 0.5] {
+            let m = Material::new(2e6, poisson, 1e-3).unwrap();
+            let norm = m.norm_squared(&Mat2::new(1.0, 0.0, 0.0, -poisson));
+            assert!((norm - 1e6).abs() < 1e-6, "{poisson}: {norm}");
+        }
+    }
+
+    #[test]
+    fn absurd_constants_are_refused() {
+        for (y, n, h) in [(0.0, 0.3, 1.0), (f64::NAN, 0.3, 1.0), (1.0, 0.51, 1.0), (1.0, -1.0, 1.0), (1.0, f64::NAN, 1.0), (1.0, 0.3, -1.0)] {
+            assert!(Material::new(y, n, h).is_err(), "{y} {n} {h}");
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! Projected Newton: minimise a smooth energy under lower bounds on some unknowns, with one sparse Cholesky per iteration.
+//!
+//! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982); the others take a Newton step that is
+//! projected back onto the bounds along a backtracking line search. Far from the minimum the element Hessians are made
+//! positive semidefinite; near it the true Hessian is tried, which gives quadratic convergence. Everything is expected to
+//! be without unit and of order one, so that no tolerance mixes units.
+
+use super::cholesky::Cholesky;
+pub use super::small::Convexity;
+use super::sparse::SymmetricPattern;
+use crate::Result;
+use crate::progress::{Observer, Step};
+
+/// An energy that [`minimise`] can minimise.
+pub trait Problem {
+    /// Which unknowns its Hessian couples.
+    fn pattern(&self) -> SymmetricPattern;
+    /// `[n]` lower bound of each unknown; −∞ for none.
+    fn lower_bounds(&self) -> Vec<f64>;
+    /// The energy at `x`.
+    fn energy(&mut self, x: &[f64]) -> f64;
+    /// The energy at `x` and its gradient; remembers the element Hessians for [`Problem::hessian`].
+    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
+    /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
+    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]);
+}
+
+/// How [`minimise`] goes about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Name of the step, for the observer.
+    pub stage: &'static str,
+    /// Iterations at most.
+    pub iteration_limit: usize,
+    /// The step ends when no component of the projected gradient is larger.
+    pub tolerance: f64,
+    /// How element Hessians are treated until the true Hessian is positive definite.
+    pub convexity: Convexity,
+    /// Share of the largest diagonal entry that is added to each, so that directions without stiffness do not move.
+    pub ridge: f64,
+    /// Joules in one unit of energy, for the observer.
+    pub energy_unit_joule: f64,
+}
+
+/// How a minimisation ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// The projected gradient is below the tolerance.
+    Converged,
+    /// No step lowers the energy any more; the projected gradient is as small as rounding lets it become.
+    RoundOff,
+    /// The iteration limit was reached first.
+    IterationLimit,
+    /// The observer asked to stop.
+    Cancelled,
+}
+
+/// Where a minimisation ended.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// `[n]` the unknowns.
+    pub x: Vec<f64>,
+    /// Energy there.
+    pub energy: f64,
+    /// `[n]` gradient there.
+    pub gradient: Vec<f64>,
+    /// Largest component of the projected gradient there.
+    pub projected_gradient: f64,
+    /// Iterations made.
+    pub iterations: usize,
+    /// Why it ended.
+    pub ending: Ending,
+}
+
+/// The part of a gradient component that a lower bound leaves: zero where it pushes against the bound.
+pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
+    if x <= lower { gradient.min(0.0) } else { gradient }
+}
+
+/// Minimises `problem` from `start` (projected onto the bounds). The energy never rises.
+///
+/// # Errors
+/// Only if the factorisation's memory cannot be had.
+pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, observer: &dyn Observer) -> Result<Outcome> {
+    let n = start.len();
+    let lower = problem.lower_bounds();
+    let mut cholesky = Cholesky::new(problem.pattern())?;
+    let diagonal: Vec<usize> = (0..n).map(|i| cholesky.pattern().slot(i, i)).collect();
+    let mut values = vec![0.0; cholesky.pattern().entry_count()];
+    let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
+    let mut gradient = vec![0.0; n];
+    let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut held = vec![false; n];
+    let mut energy = problem.linearise(&x, &mut gradient);
+    let mut residual = largest_projected(&x, &lower, &gradient);
+    let (mut exact_wait, mut exact_failures) = (0_u32, 0_u32);
+    let mut settled = false;
+    let mut iterations = 0;
+    let ending = loop {
+        if residual <= options.tolerance {
+            break Ending::Converged;
+        }
+        if iterations >= options.iteration_limit {
+            break Ending::IterationLimit;
+        }
+        if observer.cancelled() {
+            break Ending::Cancelled;
+        }
+        // Bertsekas' ε: unknowns this near to their bound count as at it.
+        let near = residual.min(1e-3);
+        for i in 0..n {
+            held[i] = x[i] <= lower[i] + near && gradient[i] > 0.0;
+        }
+        // The true Hessian once steps are small, a convex one before that and where the true one is indefinite.
+        let mut solved = false;
+        if options.convexity != Convexity::Exact && settled && exact_wait == 0 {
+            problem.hessian(Convexity::Exact, &mut values);
+            solved = newton_direction(&mut cholesky, &mut values, &diagonal, &held, options.ridge, &gradient, &mut direction);
+            if solved {
+                exact_failures = 0;
+            } else {
+                exact_failures = (exact_failures + 1).min(5);
+                exact_wait = exact_failures;
+            }
+        } else {
+            exact_wait = exact_wait.saturating_sub(1);
+        }
+        let mut ridge = options.ridge;
+        while !solved {
+            problem.hessian(options.convexity, &mut values);
+            solved = newton_direction(&mut cholesky, &mut values, &diagonal, &held, ridge, &gradient, &mut direction);
+            if !solved {
+                ridge *= 100.0;
+                if ridge > 1e8 || ridge.is_nan() {
+                    break;
+                }
+            }
+        }
+        let mut accepted = false;
+        if solved {
+            let mut length = 1.0;
+            for _ in 0..40 {
+                let mut slope = 0.0;
+                for i in 0..n {
+                    trial[i] = (x[i] + length * direction[i]).max(lower[i]);
+                    slope += gradient[i] * (trial[i] - x[i]);
+                }
+                // Below this an energy difference is rounding; the gradient decides instead.
+                if slope.abs() < 1e-13 * energy.abs() {
+                    let trial_energy = problem.linearise(&trial, &mut trial_gradient);
+                    let trial_residual = largest_projected(&trial, &lower, &trial_gradient);
+                    if trial_residual < 0.9 * residual && trial_energy <= energy + 1e-13 * energy.abs() {
+                        accepted = true;
+                        energy = trial_energy.min(energy);
+                    }
+                    break;
+                }
+                let trial_energy = problem.energy(&trial);
+                if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
+                    accepted = true;
+                    settled = energy - trial_energy < 1e-2 * energy.abs();
+                    break;
+                }
+                length *= 0.5;
+            }
+        }
+        iterations += 1;
+        if !accepted {
+            // The remembered element Hessians belong to a trial point now; that is fine, because nothing follows.
+            break Ending::RoundOff;
+        }
+        std::mem::swap(&mut x, &mut trial);
+        energy = problem.linearise(&x, &mut gradient);
+        residual = largest_projected(&x, &lower, &gradient);
+        observer.step(&Step {
+            stage: options.stage,
+            iteration: iterations,
+            limit: options.iteration_limit,
+            energy_joule: energy * options.energy_unit_joule,
+            residual,
+            tolerance: options.tolerance,
+        });
+    };
+    Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
+}
+
+fn largest_projected(x: &[f64], lower: &[f64], gradient: &[f64]) -> f64 {
+    let mut largest = 0.0_f64;
+    for i in 0..x.len() {
+        largest = largest.max(projected(x[i], lower[i], gradient[i]).abs());
+    }
+    largest
+}
+
+fn newton_direction(
+    cholesky: &mut Cholesky,
+    values: &mut [f64],
+    diagonal: &[usize],
+    held: &[bool],
+    ridge: f64,
+    gradient: &[f64],
+    direction: &mut [f64],
+) -> bool {
+    let largest = diagonal.iter().map(|&slot| values[slot].abs()).fold(0.0, f64::max);
+    let shift = if largest > 0.0 { ridge * largest } else { 1.0 };
+    for &slot in diagonal {
+        values[slot] += shift;
+    }
+    cholesky.pattern().isolate(values, held);
+    if !cholesky.factorise(values) {
+        return false;
+    }
+    // Held unknowns go down their own gradient, to the bound; the line search projects them.
+    for i in 0..direction.len() {
+        direction[i] = -gradient[i];
+    }
+    cholesky.solve(direction);
+    let mut slope = 0.0;
+    for i in 0..direction.len() {
+        slope += direction[i] * gradient[i];
+    }
+    slope < 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::progress::Silent;
+
+    /// Rosenbrock's valley in pairs, with x₀ ≥ 1.5: the minimum lies on the bound.
+    struct Valley {
+        hessian: [f64; 3],
+    }
+
+    impl Problem for Valley {
+        fn pattern(&self) -> SymmetricPattern {
+            SymmetricPattern::from_elements(2, [&[0, 1][..]].into_iter())
+        }
+        fn lower_bounds(&self) -> Vec<f64> {
+            vec![1.5, f64::NEG_INFINITY]
+        }
+        fn energy(&mut self, x: &[f64]) -> f64 {
+            100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
+        }
+        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+            let d = x[1] - x[0] * x[0];
+            g[0] = -400.0 * x[0] * d - 2.0 * (1.0 - x[0]);
+            g[1] = 200.0 * d;
+            self.hessian = [-400.0 * d + 800.0 * x[0] * x[0] + 2.0, -400.0 * x[0], 200.0];
+            self.energy(x)
+        }
+        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+            let [a, b, c] = self.hessian;
+            let h = crate::linalg::small::convexify(&nalgebra::Matrix2::new(a, b, b, c), convexity);
+            values.copy_from_slice(&[h[(0, 0)], h[(1, 0)], h[(1, 1)]]);
+        }
+    }
+
+    #[test]
+    fn finds_the_minimum_on_the_bound() {
+        let options = Options {
+            stage: "test",
+            iteration_limit: 200,
+            tolerance: 1e-10,
+            convexity: Convexity::Mirrored,
+            ridge: 1e-14,
+            energy_unit_joule: 1.0,
+        };
+        let outcome = minimise(&mut Valley { hessian: [0.0; 3] }, &[4.0, -3.0], &options, &Silent).unwrap();
+        assert_eq!(outcome.ending, Ending::Converged);
+        assert_eq!(outcome.x[0], 1.5);
+        assert!((outcome.x[1] - 2.25).abs() < 1e-12, "{:?}", outcome.x);
+    }
+}

@@ -1,0 +1,111 @@
+//! Symmetric sparse matrices whose pattern is known from elements before any value is.
+
+/// Pattern of the lower triangle (with the whole diagonal) of a symmetric `n × n` matrix, column by column.
+#[derive(Clone, Debug)]
+pub struct SymmetricPattern {
+    /// `[n+1]` where each column starts in [`SymmetricPattern::rows`].
+    pub columns: Vec<usize>,
+    /// `[nnz]` row of each entry, ascending inside a column; the diagonal is first.
+    pub rows: Vec<usize>,
+}
+
+impl SymmetricPattern {
+    /// The union of the full blocks that `elements` couple. An unknown may appear in no element; its diagonal is kept.
+    pub fn from_elements<'a>(n: usize, elements: impl Iterator<Item = &'a [usize]>) -> Self {
+        let mut entries: Vec<(usize, usize)> = (0..n).map(|i| (i, i)).collect();
+        for element in elements {
+            for (p, &i) in element.iter().enumerate() {
+                for &j in &element[..p] {
+                    if i != j {
+                        entries.push((i.min(j), i.max(j)));
+                    }
+                }
+            }
+        }
+        entries.sort_unstable();
+        entries.dedup();
+        let mut columns = vec![0; n + 1];
+        for &(column, _) in &entries {
+            columns[column + 1] += 1;
+        }
+        for i in 0..n {
+            columns[i + 1] += columns[i];
+        }
+        Self { columns, rows: entries.into_iter().map(|(_, row)| row).collect() }
+    }
+
+    /// Number of unknowns.
+    pub fn size(&self) -> usize {
+        self.columns.len() - 1
+    }
+
+    /// Number of stored entries.
+    pub fn entry_count(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Where entry (`i`, `j`) of the symmetric matrix is stored.
+    ///
+    /// # Panics
+    /// If the pattern does not hold the entry.
+    pub fn slot(&self, i: usize, j: usize) -> usize {
+        let (column, row) = (i.min(j), i.max(j));
+        let start = self.columns[column];
+        start + self.rows[start..self.columns[column + 1]].binary_search(&row).expect("the pattern holds the entry")
+    }
+
+    /// Slots of an element's lower triangle, row by row: (0,0), (1,0), (1,1), (2,0), …
+    pub fn element_slots(&self, element: &[usize]) -> impl Iterator<Item = usize> {
+        element.iter().enumerate().flat_map(move |(p, &i)| element[..=p].iter().map(move |&j| self.slot(i, j)))
+    }
+
+    /// `out = A x` for the symmetric matrix with these lower-triangle `values`.
+    pub fn multiply(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for column in 0..self.size() {
+            for slot in self.columns[column]..self.columns[column + 1] {
+                let row = self.rows[slot];
+                out[row] += values[slot] * x[column];
+                if row != column {
+                    out[column] += values[slot] * x[row];
+                }
+            }
+        }
+    }
+
+    /// Uncouples the unknowns marked in `fixed`: of their rows and columns only the diagonal's absolute value is left.
+    pub fn isolate(&self, values: &mut [f64], fixed: &[bool]) {
+        for column in 0..self.size() {
+            for slot in self.columns[column]..self.columns[column + 1] {
+                let row = self.rows[slot];
+                if fixed[column] || fixed[row] {
+                    values[slot] = if row == column { values[slot].abs() } else { 0.0 };
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn elements_scatter_to_the_matrix_they_describe() {
+        let elements = [vec![2, 0], vec![1, 2, 3]];
+        let pattern = SymmetricPattern::from_elements(5, elements.iter().map(Vec::as_slice));
+        assert_eq!(pattern.entry_count(), 5 + 1 + 3);
+        let mut values = vec![0.0; pattern.entry_count()];
+        for element in &elements {
+            for slot in pattern.element_slots(element) {
+                values[slot] += 1.0;
+            }
+        }
+        let mut out = [0.0; 5];
+        pattern.multiply(&values, &[1.0, 10.0, 100.0, 1000.0, 7.0], &mut out);
+        assert_eq!(out, [101.0, 1110.0, 1.0 + 10.0 + 200.0 + 1000.0, 1110.0, 0.0]);
+        pattern.isolate(&mut values, &[false, false, true, false, false]);
+        pattern.multiply(&values, &[1.0, 10.0, 100.0, 1000.0, 7.0], &mut out);
+        assert_eq!(out, [1.0, 1010.0, 200.0, 1010.0, 0.0]);
+    }
+}
