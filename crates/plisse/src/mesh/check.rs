@@ -4,7 +4,7 @@
 use super::Vec3;
 use crate::{Error, Result};
 
-/// Twice the area of the flattest rest triangle allowed, relative to the square of its longest edge.
+/// Area of the flattest rest triangle allowed, relative to the square of its longest edge.
 const LEAST_RELATIVE_AREA: f64 = 1e-10;
 /// A rest shape is flat if its extent along z is at most this part of its size.
 const FLATNESS: f64 = 1e-9;

@@ -1,6 +1,8 @@
 //! Sewing: flat panels become one surface. The panels keep their own flat rest vertices; along seams, several of these
 //! stand for one vertex of the surface. Rest lengths therefore belong to faces, and a seam needs no special case later.
 
+use std::collections::VecDeque;
+
 use super::{Topology, Vec2, panel::Panel};
 use crate::{Error, Result};
 
@@ -172,7 +174,7 @@ fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_o
             continue;
         }
         flip[start] = Some(false);
-        let mut queue = std::collections::VecDeque::from([(start, false)]);
+        let mut queue = VecDeque::from([(start, false)]);
         while let Some((p, flip_p)) = queue.pop_front() {
             sewn_to[p].sort_unstable();
             sewn_to[p].dedup();
@@ -184,9 +186,9 @@ fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_o
                         queue.push_back((q, wanted));
                     }
                     Some(chosen) if chosen != wanted => {
+                        let between = if p == q { format!("of panel {p} with itself") } else { format!("between panels {p} and {q}") };
                         let message = format!(
-                            "the seams between panels {p} and {q} close a surface with only one side, like a Möbius strip; \
-                             reverse one chain of one of them"
+                            "the seams {between} make a surface with only one side, like a Möbius strip; reverse a chain of one of them"
                         );
                         return Err(Error::mesh(place, message));
                     }
