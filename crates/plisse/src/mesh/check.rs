@@ -36,8 +36,8 @@ pub fn check_rest_faces(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -
     for (f, face) in faces.iter().enumerate() {
         let [a, b, c] = face.map(|v| positions[v]);
         let longest_squared = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
-        // Written so that a zero-sized triangle is refused, too.
-        if !(0.5 * (b - a).cross(&(c - a)).norm() > LEAST_RELATIVE_AREA * longest_squared) {
+        let area = 0.5 * (b - a).cross(&(c - a)).norm();
+        if area.is_nan() || area <= LEAST_RELATIVE_AREA * longest_squared {
             let message = format!(
                 "face {f} (vertices {}, {}, {}) has no area in the rest shape; move its vertices apart or remove the face",
                 face[0], face[1], face[2]
