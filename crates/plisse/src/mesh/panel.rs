@@ -19,7 +19,8 @@ const MAX_VERTICES: f64 = 2e6;
 const MAX_BOX: f64 = 2e7;
 /// Least distance of two inner vertices, in edge lengths: a maximal sample's mean edge is longer than its least one.
 const SPACING: f64 = 0.755;
-/// Least distance of an inner vertex from the outline, in edge lengths: over 1/2, so that no boundary edge faces an obtuse angle.
+/// Least distance of an inner vertex from the outline, in edge lengths. The spacing from boundary vertices keeps inner ones about
+/// as far off; this matters where a short side makes pieces longer than asked.
 const OFF_OUTLINE: f64 = 0.55;
 /// Coordinates below this (in edge lengths) are taken as 0, because the triangulation refuses the tiniest numbers.
 const TINY: f64 = 1e-30;
@@ -431,6 +432,19 @@ mod tests {
                 assert_eq!((panel.positions[side[0]], panel.positions[*side.last().unwrap()]), (c(s), c(s + 1)));
             }
             corners_m.reverse();
+        }
+    }
+
+    #[test]
+    fn panels_of_a_few_long_pieces_are_well_shaped() {
+        for width_m in [1.05, 1.45, 2.45, 3.45] {
+            for height_m in [1.05, 1.45, 2.45] {
+                for seed in 0..40 {
+                    let panel = Panel::new("p", &Outline::Rectangle { width_m, height_m }, 1.0, seed).unwrap();
+                    let angle = smallest_angle_deg(&panel);
+                    assert!(angle >= 25.0, "{width_m} x {height_m} m, seed {seed}: smallest angle {angle}");
+                }
+            }
         }
     }
 
