@@ -3,6 +3,7 @@
 
 pub mod check;
 pub mod panel;
+mod scatter;
 pub mod sew;
 pub mod subdivide;
 mod topology;

@@ -1,1 +1,311 @@
-//! (to be written)
+//! Sewing: flat panels become one surface. The panels keep their own flat rest vertices; along seams, several of these
+//! stand for one vertex of the surface. Rest lengths therefore belong to faces, and a seam needs no special case later.
+
+use std::collections::VecDeque;
+
+use super::{Topology, Vec2, panel::Panel};
+use crate::{Error, Result};
+
+/// How much the two sides of a seam may differ in length, relative to the longer.
+const LENGTH_TOLERANCE: f64 = 0.01;
+
+/// Several panels sewn to one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sewn {
+    /// Connectivity of the surface. Its vertices are numbered by the lowest rest vertex in each, without gaps.
+    pub topology: Topology,
+    /// `[R]` vertices of all panels, one panel after the other (m, each panel in its own plane).
+    pub rest_positions: Vec<Vec2>,
+    /// `[F][3]` rest vertices of each face of `topology`, corner by corner. Faces of a flipped panel run clockwise in its plane.
+    pub rest_faces: Vec<[usize; 3]>,
+    /// `[R]` vertex of the surface for each rest vertex.
+    pub vertex_of_rest: Vec<usize>,
+    /// `[panels]` whether the panel's faces were flipped so that all faces agree about the outside. Of the panels that hang
+    /// together, the first is never flipped.
+    pub flipped: Vec<bool>,
+}
+
+/// Two chains of boundary vertices to be joined: the k-th of `a` to the k-th of `b`.
+#[derive(Clone, Copy, Debug)]
+pub struct Seam<'a> {
+    /// A panel, and vertices of it in order along its boundary: a [`Panel::side`], a part of one, or several in a row.
+    pub a: (usize, &'a [usize]),
+    /// The other panel (or the same), and as many of its vertices. Opposite sides of a rectangle run against each other,
+    /// so one of them must be [`reversed`].
+    pub b: (usize, &'a [usize]),
+}
+
+/// `chain` from its end to its start.
+pub fn reversed(chain: &[usize]) -> Vec<usize> {
+    chain.iter().rev().copied().collect()
+}
+
+/// The surface made of `panels`, joined along `seams`. Panels whose faces disagree with those they are sewn to, like the two
+/// equal halves of a balloon, are flipped.
+///
+/// # Errors
+/// [`Error::Mesh`] at `place` that names the seam and its panels for: a panel or vertex that does not exist, vertices that do
+/// not follow each other on the boundary, sides that differ in their number of vertices or by over 1 % in length; that names
+/// panels for a one-sided surface (a Möbius strip); or what [`Topology::new`] finds, such as three panels on one edge.
+pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
+    let mut first_rest = vec![0];
+    for panel in panels {
+        first_rest.push(first_rest[first_rest.len() - 1] + panel.positions.len());
+    }
+    let rest_count = first_rest[panels.len()];
+    let boundaries: Vec<Vec<[usize; 2]>> = panels.iter().map(boundary_edges).collect();
+
+    let mut root: Vec<usize> = (0..rest_count).collect();
+    for (s, seam) in seams.iter().enumerate() {
+        let name = format!("seam {s} (panel {} to panel {})", seam.a.0, seam.b.0);
+        check_seam(place, &name, panels, &boundaries, seam)?;
+        for (&i, &j) in seam.a.1.iter().zip(seam.b.1) {
+            unite(&mut root, first_rest[seam.a.0] + i, first_rest[seam.b.0] + j);
+        }
+    }
+    let mut vertex_of_rest = vec![0; rest_count];
+    let mut vertex_count = 0;
+    for r in 0..rest_count {
+        let lowest = find(&mut root, r);
+        if lowest == r {
+            vertex_of_rest[r] = vertex_count;
+            vertex_count += 1;
+        } else {
+            vertex_of_rest[r] = vertex_of_rest[lowest];
+        }
+    }
+
+    let mut rest_faces: Vec<[usize; 3]> = Vec::new();
+    let mut panel_of_face = Vec::new();
+    for (p, panel) in panels.iter().enumerate() {
+        rest_faces.extend(panel.faces.iter().map(|face| face.map(|v| first_rest[p] + v)));
+        panel_of_face.resize(rest_faces.len(), p);
+    }
+    let mut faces: Vec<[usize; 3]> = rest_faces.iter().map(|face| face.map(|r| vertex_of_rest[r])).collect();
+    let flipped = panels_to_flip(place, panels.len(), &faces, &panel_of_face)?;
+    for f in 0..faces.len() {
+        if flipped[panel_of_face[f]] {
+            faces[f].swap(1, 2);
+            rest_faces[f].swap(1, 2);
+        }
+    }
+    let topology = Topology::new(place, vertex_count, faces)?;
+    let rest_positions = panels.iter().flat_map(|panel| panel.positions.iter().copied()).collect();
+    Ok(Sewn { topology, rest_positions, rest_faces, vertex_of_rest, flipped })
+}
+
+/// Edges of one face only, lower vertex first, sorted.
+fn boundary_edges(panel: &Panel) -> Vec<[usize; 2]> {
+    let sides = |face: &[usize; 3]| [0, 1, 2].map(|k| [face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3])]);
+    let mut edges: Vec<[usize; 2]> = panel.faces.iter().flat_map(sides).collect();
+    edges.sort_unstable();
+    edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
+}
+
+fn check_seam(place: &str, name: &str, panels: &[Panel], boundaries: &[Vec<[usize; 2]>], seam: &Seam<'_>) -> Result<()> {
+    let length = |(p, chain): (usize, &[usize])| -> Result<f64> {
+        let Some(panel) = panels.get(p) else {
+            let message = format!("{name} names a panel that does not exist; there are {}, counted from 0", panels.len());
+            return Err(Error::mesh(place, message));
+        };
+        let mut length_m = 0.0;
+        for pair in chain.windows(2) {
+            let (i, j) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+            if boundaries[p].binary_search(&[i, j]).is_err() {
+                let message = format!(
+                    "{name}: vertices {} and {} of panel {p} do not follow each other on its boundary; sew along sides only",
+                    pair[0], pair[1]
+                );
+                return Err(Error::mesh(place, message));
+            }
+            length_m += (panel.positions[i] - panel.positions[j]).norm();
+        }
+        Ok(length_m)
+    };
+    let (a, b) = (length(seam.a)?, length(seam.b)?);
+    let (count_a, count_b) = (seam.a.1.len(), seam.b.1.len());
+    if count_a != count_b || count_a < 2 || (a - b).abs() > LENGTH_TOLERANCE * a.max(b) {
+        let message = format!(
+            "{name} joins {count_a} vertices over {a:.6} m to {count_b} vertices over {b:.6} m; \
+             make both sides equally long (within 1 %) and use one edge length for both panels"
+        );
+        return Err(Error::mesh(place, message));
+    }
+    Ok(())
+}
+
+/// The lowest member of `r`'s set, shortening the path to it.
+fn find(root: &mut [usize], mut r: usize) -> usize {
+    while root[r] != r {
+        root[r] = root[root[r]];
+        r = root[r];
+    }
+    r
+}
+
+fn unite(root: &mut [usize], i: usize, j: usize) {
+    let (i, j) = (find(root, i), find(root, j));
+    root[i.max(j)] = i.min(j);
+}
+
+/// `[panels]` which panels to flip so that faces on a common edge run along it in opposite directions.
+fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_of_face: &[usize]) -> Result<Vec<bool>> {
+    // [edge, whether the face runs upwards along it, panel]
+    let mut half_edges: Vec<([usize; 2], bool, usize)> = Vec::with_capacity(3 * faces.len());
+    for (face, &p) in faces.iter().zip(panel_of_face) {
+        for k in 0..3 {
+            let (i, j) = (face[k], face[(k + 1) % 3]);
+            half_edges.push(([i.min(j), i.max(j)], i < j, p));
+        }
+    }
+    half_edges.sort_unstable();
+    // For each panel: the panels it is sewn to, and whether just one of the two must be flipped.
+    let mut sewn_to: Vec<Vec<(usize, bool)>> = vec![Vec::new(); panel_count];
+    for pair in half_edges.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 2) {
+        let ((p, q), disagree) = ((pair[0].2, pair[1].2), pair[0].1 == pair[1].1);
+        if p != q || disagree {
+            sewn_to[p].push((q, disagree));
+            sewn_to[q].push((p, disagree));
+        }
+    }
+    let mut flip: Vec<Option<bool>> = vec![None; panel_count];
+    for start in 0..panel_count {
+        if flip[start].is_some() {
+            continue;
+        }
+        flip[start] = Some(false);
+        let mut queue = VecDeque::from([(start, false)]);
+        while let Some((p, flip_p)) = queue.pop_front() {
+            sewn_to[p].sort_unstable();
+            sewn_to[p].dedup();
+            for &(q, disagree) in &sewn_to[p] {
+                let wanted = flip_p != disagree;
+                match flip[q] {
+                    None => {
+                        flip[q] = Some(wanted);
+                        queue.push_back((q, wanted));
+                    }
+                    Some(chosen) if chosen != wanted => {
+                        let between = if p == q { format!("of panel {p} with itself") } else { format!("between panels {p} and {q}") };
+                        let message = format!(
+                            "the seams {between} make a surface with only one side, like a Möbius strip; reverse a chain of one of them"
+                        );
+                        return Err(Error::mesh(place, message));
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+    }
+    Ok(flip.into_iter().map(|f| f.unwrap_or(false)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::panel::Outline;
+
+    fn rectangle(width_m: f64, height_m: f64) -> Panel {
+        Panel::new("panel", &Outline::Rectangle { width_m, height_m }, 0.1, 1).unwrap()
+    }
+
+    fn euler(t: &Topology) -> i64 {
+        (t.vertex_count + t.face_count()) as i64 - t.edge_count() as i64
+    }
+
+    fn boundary_loops(t: &Topology) -> usize {
+        let mut root: Vec<usize> = (0..t.vertex_count).collect();
+        let boundary: Vec<usize> = (0..t.edge_count()).filter(|&e| t.is_boundary_edge(e)).collect();
+        for &e in &boundary {
+            unite(&mut root, t.edges[e][0], t.edges[e][1]);
+        }
+        let mut roots: Vec<usize> = boundary.iter().map(|&e| find(&mut root, t.edges[e][0])).collect();
+        roots.sort_unstable();
+        roots.dedup();
+        roots.len()
+    }
+
+    #[test]
+    fn a_rectangle_becomes_a_cylinder() {
+        let panel = rectangle(1.0, 0.5);
+        let right = reversed(panel.side("right").unwrap());
+        let seam = Seam { a: (0, panel.side("left").unwrap()), b: (0, &right) };
+        let sewn = sew("cylinder", std::slice::from_ref(&panel), &[seam]).unwrap();
+        assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (0, 2));
+        assert_eq!(sewn.topology.vertex_count, panel.positions.len() - right.len());
+        assert_eq!((&sewn.rest_faces, &sewn.rest_positions), (&panel.faces, &panel.positions));
+        for (face, rest) in sewn.topology.faces.iter().zip(&sewn.rest_faces) {
+            assert_eq!(*face, rest.map(|r| sewn.vertex_of_rest[r]));
+        }
+        for (&l, &r) in seam.a.1.iter().zip(seam.b.1) {
+            assert_eq!(sewn.vertex_of_rest[l], sewn.vertex_of_rest[r]);
+            assert_eq!(panel.positions[l].y, panel.positions[r].y);
+        }
+    }
+
+    #[test]
+    fn vertices_are_numbered_by_their_lowest_rest_vertex() {
+        let panels = [rectangle(0.5, 0.5), rectangle(0.5, 0.5)];
+        let left = reversed(panels[1].side("left").unwrap());
+        let sewn = sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap();
+        assert_eq!(sewn.flipped, [false, false]);
+        let mut next = 0;
+        for &v in &sewn.vertex_of_rest {
+            assert!(v <= next);
+            next = next.max(v + 1);
+        }
+        assert_eq!((next, euler(&sewn.topology)), (sewn.topology.vertex_count, 1));
+    }
+
+    #[test]
+    fn two_disks_become_a_sphere_and_one_is_flipped() {
+        let disk = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 1).unwrap();
+        let back = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 2).unwrap();
+        let panels = [disk, back];
+        let rim = panels[0].side("rim").unwrap();
+        let sewn = sew("balloon", &panels, &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }]).unwrap();
+        assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (2, 0));
+        assert_eq!(sewn.flipped, [false, true]);
+        for (f, rest) in sewn.rest_faces.iter().enumerate() {
+            let [a, b, c] = rest.map(|r| sewn.rest_positions[r]);
+            assert_eq!((b - a).perp(&(c - a)) > 0.0, f < panels[0].faces.len());
+            assert_eq!(sewn.topology.faces[f], rest.map(|r| sewn.vertex_of_rest[r]));
+        }
+    }
+
+    #[test]
+    fn one_sided_surfaces_are_refused() {
+        let panel = rectangle(1.0, 0.5);
+        let seam = Seam { a: (0, panel.side("left").unwrap()), b: (0, panel.side("right").unwrap()) };
+        let message = sew("strip", std::slice::from_ref(&panel), &[seam]).unwrap_err().to_string();
+        assert!(message.contains("Möbius"), "{message}");
+        // The same from two panels: one seam fits, the other is twisted.
+        let panels = [panel.clone(), panel];
+        let [left, right] = ["left", "right"].map(|s| panels[0].side(s).unwrap());
+        let back = reversed(right);
+        let twisted = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, left) }];
+        assert!(sew("strip", &panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1"));
+        let front = reversed(left);
+        let straight = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, &front) }];
+        assert_eq!(euler(&sew("ring", &panels, &straight).unwrap().topology), 0);
+    }
+
+    #[test]
+    fn unusable_seams_are_named() {
+        let panels = [rectangle(1.0, 0.5), rectangle(1.0, 0.52), rectangle(1.0, 0.503)];
+        let message = |a: (usize, &[usize]), b: (usize, &[usize])| sew("bag", &panels, &[Seam { a, b }]).unwrap_err().to_string();
+        let [bottom, right] = ["bottom", "right"].map(|s| panels[0].side(s).unwrap());
+        let text = message((0, bottom), (1, right));
+        assert!(text.contains("seam 0 (panel 0 to panel 1) joins 11 vertices over 1.000000 m to 6 vertices over 0.520000 m"), "{text}");
+        assert!(message((0, right), (1, right)).contains("within 1 %"));
+        assert!(message((0, right), (3, right)).contains("does not exist"));
+        assert!(message((0, &[0, 2]), (1, &[0, 2])).contains("vertices 0 and 2 of panel 0"));
+        assert!(message((0, &[0, 9999]), (1, &[0, 1])).contains("9999"));
+        assert!(message((0, &[0]), (1, &[0])).contains("1 vertices"));
+        assert!(sew("bag", &panels, &[Seam { a: (0, right), b: (2, right) }]).is_ok());
+        let text = sew("bag", &panels, &[Seam { a: (0, right), b: (0, right) }, Seam { a: (0, right), b: (2, right) }]);
+        assert!(text.is_ok(), "a side sewn to itself changes nothing");
+        let thrice = [Seam { a: (0, bottom), b: (1, bottom) }, Seam { a: (0, bottom), b: (2, bottom) }];
+        assert!(sew("bag", &panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces"));
+    }
+}

@@ -1,1 +1,543 @@
-//! (to be written)
+//! Loop subdivision: each face becomes four, and smooth positions of the fine vertices are weighted means of coarse ones.
+//! The weights are kept as a sparse matrix, so one refinement serves positions, poses of many frames and scalar fields.
+//!
+//! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for even vertices, and the
+//! cubic B-spline masks 1/8 3/4 1/8 and 1/2 1/2 along boundaries and creases. Rest panels are refined linearly
+//! ([`refine_rest`]), so that fine rest vertices stay in their flat panels and seams stay cut. All of it takes linear time.
+
+use std::f64::consts::TAU;
+use std::ops::{Add, Mul};
+
+use super::{NONE, Topology};
+
+/// One step of Loop subdivision. Fine vertices are the `V` coarse ones under their old numbers, then `V + e` on each coarse edge `e`.
+/// Coarse face `f` becomes fine faces `4f + k`, k = 0, 1, 2: (corner k, middle of side k, middle of side k+2), and
+/// `4f + 3`: (middles of sides 0, 1, 2), all with the orientation of `f`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refinement {
+    /// Connectivity of the fine mesh.
+    pub fine: Topology,
+    /// `[fine E]` the creases halved, to go on refining with; empty if none were given.
+    pub fine_crease: Vec<bool>,
+    /// `[fine V + 1]` where each fine vertex's entries start in `columns` and `weights`.
+    starts: Vec<usize>,
+    /// Coarse vertices that a fine vertex depends on.
+    columns: Vec<usize>,
+    /// Weight of each; they sum to 1 per fine vertex.
+    weights: Vec<f64>,
+}
+
+impl Refinement {
+    /// `[fine V]` values at fine vertices from `coarse` (`[V]`), for scalars or vectors: smoothed means of their neighbourhood.
+    ///
+    /// # Panics
+    /// If `coarse` has fewer values than the coarse mesh has vertices.
+    pub fn apply<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, coarse: &[T]) -> Vec<T> {
+        let mean = |fine_vertex: usize| {
+            let (columns, weights) = self.row(fine_vertex);
+            let first = coarse[columns[0]] * weights[0];
+            columns[1..].iter().zip(&weights[1..]).fold(first, |sum, (&v, &w)| sum + coarse[v] * w)
+        };
+        (0..self.fine.vertex_count).map(mean).collect()
+    }
+
+    /// The coarse vertices that fine vertex `v` depends on, and their weights.
+    pub fn row(&self, v: usize) -> (&[usize], &[f64]) {
+        let entries = self.starts[v]..self.starts[v + 1];
+        (&self.columns[entries.clone()], &self.weights[entries])
+    }
+
+    /// Coarse face that fine face `f` is a part of.
+    pub fn face_parent(&self, f: usize) -> usize {
+        f / 4
+    }
+}
+
+/// One step of Loop subdivision of `coarse`. Edges with a true `crease` (`[E]`, or empty for none) are smoothed like boundary
+/// edges, only along themselves. Vertices with two crease or boundary edges move along these, with more they stay fixed, and with one
+/// (where a crease ends) they are smoothed as if there were none.
+///
+/// # Panics
+/// If `crease` is neither empty nor of length E.
+pub fn refine(coarse: &Topology, crease: &[bool]) -> Refinement {
+    assert!(crease.is_empty() || crease.len() == coarse.edge_count(), "a crease flag for each edge, or none");
+    let around = EdgesAround::new(coarse.vertex_count, &coarse.edges);
+    let fine = refine_topology(coarse, &around);
+    let sharp = |e: usize| coarse.is_boundary_edge(e) || (!crease.is_empty() && crease[e]);
+    let entries = 7 * coarse.vertex_count + 4 * coarse.edge_count();
+    let mut rows = Rows {
+        starts: Vec::with_capacity(fine.vertex_count + 1),
+        columns: Vec::with_capacity(entries),
+        weights: Vec::with_capacity(entries),
+    };
+    rows.starts.push(0);
+    for v in 0..coarse.vertex_count {
+        let edges = around.of(v);
+        let across = |e: usize| coarse.edges[e][0] + coarse.edges[e][1] - v;
+        match edges.iter().filter(|&&e| sharp(e)).count() {
+            0 | 1 => {
+                let beta = loop_beta(edges.len());
+                rows.push(v, 1.0 - edges.len() as f64 * beta);
+                edges.iter().for_each(|&e| rows.push(across(e), beta));
+            }
+            2 => {
+                rows.push(v, 0.75);
+                edges.iter().filter(|&&e| sharp(e)).for_each(|&e| rows.push(across(e), 0.125));
+            }
+            _ => rows.push(v, 1.0),
+        }
+        rows.close();
+    }
+    for (e, &[i, j]) in coarse.edges.iter().enumerate() {
+        if sharp(e) {
+            rows.push(i, 0.5);
+            rows.push(j, 0.5);
+        } else {
+            rows.push(i, 0.375);
+            rows.push(j, 0.375);
+            for f in coarse.edge_faces[e] {
+                rows.push(coarse.faces[f].iter().sum::<usize>() - i - j, 0.125);
+            }
+        }
+        rows.close();
+    }
+    let fine_crease = if crease.is_empty() { Vec::new() } else { halve_creases(&fine, coarse.vertex_count, crease) };
+    Refinement { fine, fine_crease, starts: rows.starts, columns: rows.columns, weights: rows.weights }
+}
+
+/// Rest vertices and faces refined linearly: coarse rest vertices, then the middle of each rest edge (sorted, lower vertex
+/// first); faces four for each in the order of [`Refinement`], so that they match its fine faces one to one, corner by corner.
+/// `positions` are `[R]` points in panels or in space (m), `faces` `[F][3]` rest vertices.
+///
+/// # Panics
+/// If a face names a rest vertex that does not exist.
+pub fn refine_rest<T>(positions: &[T], faces: &[[usize; 3]]) -> (Vec<T>, Vec<[usize; 3]>)
+where
+    T: Copy + Add<Output = T> + Mul<f64, Output = T>,
+{
+    let (edges, face_edges) = rest_edges(positions.len(), faces);
+    let mut fine_positions = Vec::with_capacity(positions.len() + edges.len());
+    fine_positions.extend_from_slice(positions);
+    fine_positions.extend(edges.iter().map(|&[i, j]| (positions[i] + positions[j]) * 0.5));
+    (fine_positions, split_faces(positions.len(), faces, &face_edges))
+}
+
+/// Loop's weight of each of the `n` neighbours of a vertex.
+fn loop_beta(n: usize) -> f64 {
+    let n = n as f64;
+    let c = 0.375 + 0.25 * (TAU / n).cos();
+    (0.625 - c * c) / n
+}
+
+/// The four parts of each face.
+fn split_faces(vertex_count: usize, faces: &[[usize; 3]], face_edges: &[[usize; 3]]) -> Vec<[usize; 3]> {
+    let mut fine = Vec::with_capacity(4 * faces.len());
+    for (&[a, b, c], sides) in faces.iter().zip(face_edges) {
+        let [ab, bc, ca] = sides.map(|e| vertex_count + e);
+        fine.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    fine
+}
+
+/// The fine connectivity, equal to `Topology::new` of its faces but without sorting all of them: halves of coarse edges sort
+/// by (coarse vertex, coarse edge) and so lie in the order of `around`; edges within coarse faces sort by their two coarse
+/// edges. (Only where two coarse faces share all three vertices, fine edges may have both ends in common.)
+fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
+    let (vertex_count, edge_count) = (coarse.vertex_count, coarse.edge_count());
+    let fine_faces = split_faces(vertex_count, &coarse.faces, &coarse.face_edges);
+    let fine_edge_count = 2 * edge_count + 3 * coarse.face_count();
+    let mut edges = Vec::with_capacity(fine_edge_count);
+    let mut edge_faces = Vec::with_capacity(fine_edge_count);
+    // Fine edges of each coarse edge: its half at the lower and at the higher vertex.
+    let mut halves = vec![[NONE; 2]; edge_count];
+    for v in 0..vertex_count {
+        for &e in around.of(v) {
+            halves[e][usize::from(v == coarse.edges[e][1])] = edges.len();
+            edges.push([v, vertex_count + e]);
+            edge_faces.push(coarse.edge_faces[e].map(|f| if f == NONE { NONE } else { 4 * f + coarse.corner_of(f, v) }));
+        }
+    }
+    // Edges inside a coarse face cut off its corner k; sorted by bucket of the lower of the two sides that meet there.
+    let sides_at = |f: usize, k: usize| {
+        let (a, b) = (coarse.face_edges[f][k], coarse.face_edges[f][(k + 2) % 3]);
+        (a.min(b), a.max(b))
+    };
+    let corners = || (0..coarse.face_count()).flat_map(|f| [0, 1, 2].map(|k| (f, k)));
+    let mut starts = vec![0; edge_count + 1];
+    for (f, k) in corners() {
+        starts[sides_at(f, k).0 + 1] += 1;
+    }
+    for e in 0..edge_count {
+        starts[e + 1] += starts[e];
+    }
+    let mut cuts = vec![(0, 0, 0); 3 * coarse.face_count()];
+    let mut next = starts.clone();
+    for (f, k) in corners() {
+        let (low, high) = sides_at(f, k);
+        cuts[next[low]] = (high, f, k);
+        next[low] += 1;
+    }
+    let mut cut_edges = vec![[NONE; 3]; coarse.face_count()];
+    for low in 0..edge_count {
+        let bucket = &mut cuts[starts[low]..starts[low + 1]];
+        bucket.sort_unstable();
+        for &(high, f, k) in &*bucket {
+            cut_edges[f][k] = edges.len();
+            edges.push([vertex_count + low, vertex_count + high]);
+            edge_faces.push([4 * f + k, 4 * f + 3]);
+        }
+    }
+    let mut face_edges = Vec::with_capacity(fine_faces.len());
+    for (f, face) in coarse.faces.iter().enumerate() {
+        let half = |side: usize, v: usize| {
+            let e = coarse.face_edges[f][side];
+            halves[e][usize::from(v == coarse.edges[e][1])]
+        };
+        let cut = cut_edges[f];
+        face_edges.extend([0, 1, 2].map(|k| [half(k, face[k]), cut[k], half((k + 2) % 3, face[k])]));
+        face_edges.push([cut[1], cut[2], cut[0]]);
+    }
+    Topology { vertex_count: vertex_count + edge_count, faces: fine_faces, edges, face_edges, edge_faces }
+}
+
+/// `[fine E]` true on the halves of coarse creases.
+fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool]) -> Vec<bool> {
+    fine.edges.iter().map(|&[v, mid]| v < coarse_vertex_count && crease[mid - coarse_vertex_count]).collect()
+}
+
+/// Edges of `faces` (lower vertex first, sorted) and `[F][3]` the edge from corner k to k+1: as in [`Topology`], but any faces
+/// will do, since rest panels need not be one surface.
+fn rest_edges(vertex_count: usize, faces: &[[usize; 3]]) -> (Vec<[usize; 2]>, Vec<[usize; 3]>) {
+    let sides = || {
+        faces
+            .iter()
+            .enumerate()
+            .flat_map(|(f, face)| [0, 1, 2].map(|k| (face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3]), f, k)))
+    };
+    // Bucketed by lower vertex.
+    let mut starts = vec![0; vertex_count + 1];
+    for (low, ..) in sides() {
+        starts[low + 1] += 1;
+    }
+    for v in 0..vertex_count {
+        starts[v + 1] += starts[v];
+    }
+    let mut next = starts.clone();
+    let mut sorted = vec![(0, 0, 0); 3 * faces.len()];
+    for (low, high, f, k) in sides() {
+        sorted[next[low]] = (high, f, k);
+        next[low] += 1;
+    }
+    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(sorted.len() / 2 + 1);
+    let mut face_edges = vec![[NONE; 3]; faces.len()];
+    for low in 0..vertex_count {
+        let bucket = &mut sorted[starts[low]..starts[low + 1]];
+        bucket.sort_unstable();
+        for &(high, f, k) in &*bucket {
+            if edges.last() != Some(&[low, high]) {
+                edges.push([low, high]);
+            }
+            face_edges[f][k] = edges.len() - 1;
+        }
+    }
+    (edges, face_edges)
+}
+
+/// The edges at each vertex, ascending.
+struct EdgesAround {
+    /// `[V+1]` where each vertex's edges start in `edges`.
+    starts: Vec<usize>,
+    edges: Vec<usize>,
+}
+
+impl EdgesAround {
+    fn new(vertex_count: usize, edges: &[[usize; 2]]) -> Self {
+        let mut starts = vec![0; vertex_count + 1];
+        for &v in edges.iter().flatten() {
+            starts[v + 1] += 1;
+        }
+        for v in 0..vertex_count {
+            starts[v + 1] += starts[v];
+        }
+        let mut next = starts.clone();
+        let mut around = vec![0; 2 * edges.len()];
+        for (e, ends) in edges.iter().enumerate() {
+            for &v in ends {
+                around[next[v]] = e;
+                next[v] += 1;
+            }
+        }
+        Self { starts, edges: around }
+    }
+
+    fn of(&self, v: usize) -> &[usize] {
+        &self.edges[self.starts[v]..self.starts[v + 1]]
+    }
+}
+
+/// A sparse matrix in the making, row by row.
+struct Rows {
+    starts: Vec<usize>,
+    columns: Vec<usize>,
+    weights: Vec<f64>,
+}
+
+impl Rows {
+    fn push(&mut self, column: usize, weight: f64) {
+        self.columns.push(column);
+        self.weights.push(weight);
+    }
+
+    fn close(&mut self) {
+        self.starts.push(self.columns.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{
+        Vec2, Vec3,
+        panel::{Outline, Panel},
+        sew::{Seam, reversed, sew},
+    };
+
+    fn panel(outline: &Outline, length: f64) -> (Topology, Vec<Vec2>) {
+        let panel = Panel::new("panel", outline, length, 4).unwrap();
+        (Topology::new("panel", panel.positions.len(), panel.faces).unwrap(), panel.positions)
+    }
+
+    fn square() -> (Topology, Vec<Vec2>) {
+        panel(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.2)
+    }
+
+    /// An n x n grid of unit squares, all cut the same way.
+    fn grid(n: usize) -> (Topology, Vec<Vec2>) {
+        let at = |i: usize, j: usize| j * (n + 1) + i;
+        let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| Vec2::new(i as f64, j as f64))).collect();
+        let cell = |i, j| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        let faces = (0..n).flat_map(|j| (0..n).flat_map(move |i| cell(i, j))).collect();
+        (Topology::new("grid", (n + 1) * (n + 1), faces).unwrap(), positions)
+    }
+
+    /// The cube [-1, 1]³ with two faces a side, and its 12 true edges as creases.
+    fn cube() -> (Topology, Vec<Vec3>, Vec<bool>) {
+        let positions: Vec<Vec3> =
+            (0..8).map(|v| Vec3::new((v & 1) as f64, (v >> 1 & 1) as f64, (v >> 2) as f64) * 2.0 - Vec3::repeat(1.0)).collect();
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let t = Topology::new("cube", 8, faces).unwrap();
+        let crease = t.edges.iter().map(|&[i, j]: &[usize; 2]| (i ^ j).count_ones() == 1).collect();
+        (t, positions, crease)
+    }
+
+    /// Two panels sewn: coarse topology, and rest faces that differ from it along the seam.
+    fn sewn() -> crate::mesh::sew::Sewn {
+        let panels = [0, 1].map(|seed| Panel::new("p", &Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap());
+        let left = reversed(panels[1].side("left").unwrap());
+        sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
+    }
+
+    fn area(t: &Topology, x: &[Vec3]) -> f64 {
+        t.faces.iter().map(|f| 0.5 * (x[f[1]] - x[f[0]]).cross(&(x[f[2]] - x[f[0]])).norm()).sum()
+    }
+
+    #[test]
+    fn fine_connectivity_is_that_of_its_faces() {
+        let (cube, _, crease) = cube();
+        let (mut annulus, _) = panel(&Outline::Annulus { inner_radius_m: 0.5, outer_radius_m: 1.0 }, 0.2);
+        // Faces in another order, whose numbers do not follow those of the vertices.
+        annulus.faces.reverse();
+        let annulus = Topology::new("reversed", annulus.vertex_count, annulus.faces).unwrap();
+        for (coarse, crease) in [(square().0, vec![]), (grid(3).0, vec![]), (cube, crease), (annulus, vec![]), (sewn().topology, vec![])] {
+            let once = refine(&coarse, &crease);
+            let twice = refine(&once.fine, &once.fine_crease);
+            for (r, c) in [(&once, &coarse), (&twice, &once.fine)] {
+                assert_eq!(r.fine.vertex_count, c.vertex_count + c.edge_count());
+                assert_eq!(r.fine.face_count(), 4 * c.face_count());
+                assert_eq!(r.fine, Topology::new("fine", r.fine.vertex_count, r.fine.faces.clone()).unwrap());
+            }
+        }
+    }
+
+    #[test]
+    fn fine_faces_lie_where_promised() {
+        let (coarse, positions) = square();
+        let fine = refine(&coarse, &[]).fine;
+        let middle = |f: usize, side: usize| coarse.vertex_count + coarse.face_edges[f][side];
+        let mut all = positions.clone();
+        all.extend(coarse.edges.iter().map(|&[i, j]| (positions[i] + positions[j]) * 0.5));
+        let area = |[a, b, c]: [usize; 3], x: &[Vec2]| (x[b] - x[a]).perp(&(x[c] - x[a]));
+        for (f, &face) in coarse.faces.iter().enumerate() {
+            for k in 0..3 {
+                assert_eq!(fine.faces[4 * f + k], [face[k], middle(f, k), middle(f, (k + 2) % 3)]);
+            }
+            assert_eq!(fine.faces[4 * f + 3], [middle(f, 0), middle(f, 1), middle(f, 2)]);
+            for part in 4 * f..4 * f + 4 {
+                assert!((area(fine.faces[part], &all) / area(face, &positions) - 0.25).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn weights_sum_to_one_and_are_positive() {
+        let (cube, _, crease) = cube();
+        for r in [refine(&square().0, &[]), refine(&cube, &[]), refine(&cube, &crease)] {
+            assert!(r.apply(&vec![3.0; r.fine.vertex_count]).iter().all(|x| (x - 3.0f64).abs() < 1e-14));
+            assert!((0..r.fine.vertex_count).all(|v| r.row(v).1.iter().all(|&w| w > 0.0)));
+        }
+    }
+
+    #[test]
+    fn affine_fields_stay_affine() {
+        let affine = |p: &Vec2| 3.0 - 2.0 * p.x + 0.7 * p.y;
+        for (coarse, positions) in [square(), grid(4)] {
+            let r = refine(&coarse, &[]);
+            let field = r.apply(&positions.iter().map(affine).collect::<Vec<_>>());
+            for (value, p) in field.iter().zip(r.apply(&positions)) {
+                assert!((value - affine(&p)).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn a_regular_grid_stays_where_it_is_inside() {
+        let (coarse, positions) = grid(4);
+        let fine = refine(&coarse, &[]).apply(&positions);
+        let on_boundary = coarse.boundary_vertices();
+        for v in (0..coarse.vertex_count).filter(|&v| !on_boundary[v]) {
+            assert!((fine[v] - positions[v]).norm() < 1e-14);
+        }
+        for (e, &[i, j]) in coarse.edges.iter().enumerate() {
+            assert!((fine[coarse.vertex_count + e] - (positions[i] + positions[j]) * 0.5).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn straight_boundaries_stay_straight_and_depend_on_nothing_inside() {
+        let (coarse, positions) = square();
+        let r = refine(&coarse, &[]);
+        let fine = r.apply(&positions);
+        let on_boundary = coarse.boundary_vertices();
+        let corner = |p: Vec2| (p - Vec2::new(0.5, 0.5)).amin() == 0.5;
+        for v in 0..r.fine.vertex_count {
+            let from_boundary = r.row(v).0.iter().all(|&c| on_boundary[c]);
+            if r.fine.boundary_vertices()[v] {
+                assert!(from_boundary);
+                // Squares have rounded corners, since a boundary vertex has two boundary edges there too.
+                let near_corner = v < coarse.vertex_count && corner(positions[v]);
+                assert_eq!((fine[v] - Vec2::new(0.5, 0.5)).amax() > 0.5 - 1e-15, !near_corner, "{v} at {}", fine[v]);
+            } else {
+                assert!((fine[v] - Vec2::new(0.5, 0.5)).amax() < 0.5);
+            }
+        }
+    }
+
+    #[test]
+    fn creases_keep_a_cube_sharp() {
+        let (mut t, mut x, mut crease) = cube();
+        for _ in 0..3 {
+            let r = refine(&t, &crease);
+            x = r.apply(&x);
+            (t, crease) = (r.fine, r.fine_crease);
+        }
+        // 12 edges of 8 pieces; their ends, where three creases meet, are fixed, so the cube stays a cube.
+        assert_eq!(crease.iter().filter(|&&c| c).count(), 96);
+        assert!(x.iter().all(|p| (p.amax() - 1.0).abs() < 1e-14));
+        assert!((area(&t, &x) - 24.0).abs() < 1e-12);
+        for (e, _) in crease.iter().enumerate().filter(|(_, c)| **c) {
+            assert!(t.edges[e].iter().all(|&v| x[v].iter().filter(|c| (c.abs() - 1.0).abs() < 1e-14).count() >= 2));
+        }
+    }
+
+    #[test]
+    fn a_crease_that_ends_is_smooth_at_its_end() {
+        let (coarse, _) = grid(4);
+        let mut crease = vec![false; coarse.edge_count()];
+        let e = coarse.edges.iter().position(|&e| e == [12, 13]).unwrap();
+        crease[e] = true;
+        let (with, without) = (refine(&coarse, &crease), refine(&coarse, &[]));
+        for v in 0..with.fine.vertex_count {
+            assert_eq!(with.row(v) == without.row(v), v != coarse.vertex_count + e);
+        }
+        assert_eq!(with.row(coarse.vertex_count + e), (&[12, 13][..], &[0.5, 0.5][..]));
+    }
+
+    #[test]
+    fn fans_that_touch_in_a_vertex_hold_it_fixed() {
+        let bow_tie = Topology::new("bow tie", 5, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
+        let r = refine(&bow_tie, &[]);
+        assert_eq!(r.row(2), (&[2][..], &[1.0][..]));
+        assert_eq!(r.row(0), (&[0, 1, 2][..], &[0.75, 0.125, 0.125][..]));
+    }
+
+    #[test]
+    fn closed_surfaces_converge() {
+        let (mut t, mut x, _) = cube();
+        let mut areas = vec![area(&t, &x)];
+        for _ in 0..6 {
+            let r = refine(&t, &[]);
+            x = r.apply(&x);
+            t = r.fine;
+            areas.push(area(&t, &x));
+        }
+        let steps: Vec<f64> = areas.windows(2).map(|a| (a[1] - a[0]).abs()).collect();
+        assert!(steps.windows(2).all(|s| s[1] < 0.5 * s[0]), "{areas:?}");
+        // Second order: the last step is a fourth of the one before.
+        assert!((steps[4] / steps[5] - 4.0).abs() < 0.4, "{steps:?}");
+    }
+
+    #[test]
+    fn loop_weights_are_those_of_the_thesis() {
+        assert!((loop_beta(6) - 1.0 / 16.0).abs() < 1e-15);
+        assert!((loop_beta(3) - 3.0 / 16.0).abs() < 1e-15);
+        assert!((4.0 * loop_beta(4) - 31.0 / 64.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn rest_faces_match_fine_faces_and_seams_stay_cut() {
+        let sewn = sewn();
+        let (mut topology, mut rest, mut rest_faces) = (sewn.topology, sewn.rest_positions, sewn.rest_faces);
+        let mut vertex_of_rest = sewn.vertex_of_rest;
+        for _ in 0..2 {
+            let before = (rest.len(), rest_faces.clone(), rest.clone());
+            topology = refine(&topology, &[]).fine;
+            (rest, rest_faces) = refine_rest(&rest, &rest_faces);
+            assert_eq!((rest_faces.len(), &rest[..before.0]), (topology.face_count(), &before.2[..]));
+            // Every corner leads to one vertex of the surface, and old ones as before.
+            let mut vertex_of = vec![NONE; rest.len()];
+            for (face, corners) in topology.faces.iter().zip(&rest_faces) {
+                for k in 0..3 {
+                    assert!(vertex_of[corners[k]] == NONE || vertex_of[corners[k]] == face[k]);
+                    vertex_of[corners[k]] = face[k];
+                }
+            }
+            assert_eq!(vertex_of[..before.0], vertex_of_rest);
+            vertex_of_rest = vertex_of;
+            // Linear: each part has a fourth of the area and the orientation.
+            let area = |f: [usize; 3], x: &[Vec2]| (x[f[1]] - x[f[0]]).perp(&(x[f[2]] - x[f[0]]));
+            for (f, &part) in rest_faces.iter().enumerate() {
+                assert!((area(part, &rest) / area(before.1[f / 4], &before.2) - 0.25).abs() < 1e-9);
+            }
+        }
+        // The seam, 5 pieces refined twice, is there once in the surface and twice at rest.
+        assert_eq!(rest.len() - topology.vertex_count, 21);
+    }
+
+    #[test]
+    fn the_same_mesh_gives_the_same_refinement() {
+        let (coarse, _) = square();
+        assert_eq!(refine(&coarse, &[]), refine(&coarse.clone(), &[]));
+        let (e, first) = (coarse.edge_count(), refine(&coarse, &[]));
+        assert_ne!(first, refine(&coarse, &vec![true; e]));
+        assert!((0..first.fine.face_count()).all(|f| first.face_parent(f) == f / 4));
+    }
+
+    #[test]
+    fn two_faces_back_to_back_are_refined() {
+        let t = Topology::new("coin", 3, vec![[0, 1, 2], [0, 2, 1]]).unwrap();
+        let twice = refine(&refine(&t, &[]).fine, &[]).fine;
+        assert_eq!((twice.vertex_count + twice.face_count()) - twice.edge_count(), 2);
+        assert!((0..twice.edge_count()).all(|e| !twice.is_boundary_edge(e)));
+    }
+}
