@@ -5,9 +5,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
+use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
@@ -28,9 +26,8 @@ impl Cholesky {
     /// # Errors
     /// [`Error::Numeric`] when memory runs out.
     pub fn new(pattern: SymmetricPattern) -> Result<Self> {
-        let symbolic =
-            factorize_symbolic_cholesky(view(&pattern), Side::Lower, SymmetricOrdering::Amd, CholeskySymbolicParams::default())
-                .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))?;
+        let symbolic = factorize_symbolic_cholesky(view(&pattern), Side::Lower, SymmetricOrdering::Amd, CholeskySymbolicParams::default())
+            .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))?;
         let need = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
         let memory = MemBuffer::new(need.or(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq)));
         let factor = vec![0.0; symbolic.len_val()];
@@ -63,12 +60,7 @@ impl Cholesky {
     pub fn solve(&mut self, x: &mut [f64]) {
         let n = x.len();
         let factor = LltRef::new(&self.symbolic, &self.factor);
-        factor.solve_in_place_with_conj(
-            Conj::No,
-            MatMut::from_column_major_slice_mut(x, n, 1),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
+        factor.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(x, n, 1), Par::Seq, MemStack::new(&mut self.memory));
     }
 }
 

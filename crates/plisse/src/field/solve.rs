@@ -1,0 +1,246 @@
+//! From strain to wrinkles: the whole field solve.
+
+use std::time::Instant;
+
+use super::WrinkleField;
+use super::closed_forms::ClosedForms;
+use super::closest_closed_form::ClosestClosedForm;
+use super::curvature::second_forms;
+use super::density::{Density, EnergyTerms, Local, Terms, energy_terms};
+use super::initialise::{compression, first_guess, first_wavelength_m};
+use super::phase_unknowns::one_form;
+use super::problem::FieldProblem;
+use super::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
+use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::material::Material;
+use crate::mesh::{Topology, Vec3};
+use crate::progress::Observer;
+use crate::rest::RestMetric;
+use crate::strain::{FaceStrain, strain};
+use crate::{Error, Result};
+
+/// How the field is solved.
+#[derive(Clone, Debug)]
+pub struct FieldOptions {
+    /// How wrinkle-free faces are found.
+    pub rule: WrinkleFreeRule,
+    /// Which terms of the energy take part.
+    pub terms: Terms,
+    /// Whether ω may be unclosed on wrinkle-free faces (section 5.1). If not, no face is wrinkle-free, for ablation.
+    pub relaxed_integrability: bool,
+    /// Rings of vertices that curvature is fitted to.
+    pub curvature_rings: usize,
+    /// First wavelength, as a factor on [`first_wavelength_m`]'s estimate.
+    pub first_wavelength_factor: f64,
+    /// How indefinite element Hessians are treated before the true Hessian takes over.
+    pub convexity: Convexity,
+    /// Largest component of the projected gradient at which the solve ends, in the problem's own units.
+    pub tolerance: f64,
+    /// Newton iterations at most.
+    pub iteration_limit: usize,
+}
+
+impl Default for FieldOptions {
+    fn default() -> Self {
+        Self {
+            rule: WrinkleFreeRule::Paper,
+            terms: Terms::default(),
+            relaxed_integrability: true,
+            curvature_rings: 5,
+            first_wavelength_factor: 1.0,
+            convexity: Convexity::Mirrored,
+            tolerance: 1e-10,
+            iteration_limit: 1000,
+        }
+    }
+}
+
+/// The phase's gain around one loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Period {
+    /// Whole turns after rounding.
+    pub turns: i64,
+    /// Turns that the energy alone asks for.
+    pub before_rounding: f64,
+    /// Edges of the loop.
+    pub loop_edges: usize,
+}
+
+/// What the solve found besides the field.
+#[derive(Clone, Debug)]
+pub struct FieldReport {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Why they ended.
+    pub ending: Ending,
+    /// Energy of the wrinkled faces (J), before rounding, without the constant bending of the base surface.
+    pub energy_joule: f64,
+    /// The same by terms.
+    pub energy_terms: EnergyTerms,
+    /// Stretching of the wrinkle-free faces (J).
+    pub wrinkle_free_energy_joule: f64,
+    /// Largest component of the projected gradient (J/m for amplitudes, J/rad for phases).
+    pub projected_gradient: f64,
+    /// `[b₁]` periods, the largest first.
+    pub periods: Vec<Period>,
+    /// Whether the integers are proven to be the best.
+    pub rounding_exact: bool,
+    /// Seconds of everything before rounding.
+    pub field_seconds: f64,
+    /// Seconds of rounding.
+    pub phase_seconds: f64,
+}
+
+/// A wrinkle field and how it was found.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The field.
+    pub field: WrinkleField,
+    /// How it was found.
+    pub report: FieldReport,
+}
+
+/// The wrinkle field of least energy over a pose (`[V]`, m), with zero amplitude at the `held` vertices (`[V]`; clamped ones).
+///
+/// # Errors
+/// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex; [`Error::Numeric`] if the energy is not
+/// finite (absurd material or pose).
+pub fn solve(
+    topology: &Topology,
+    rest: &RestMetric,
+    positions: &[Vec3],
+    held: &[bool],
+    material: &Material,
+    options: &FieldOptions,
+    observer: &dyn Observer,
+) -> Result<Solved> {
+    if held.len() != topology.vertex_count || positions.len() != topology.vertex_count {
+        return Err(Error::value(
+            "positions",
+            format!("give one position and one clamp flag for each of the {} vertices", topology.vertex_count),
+        ));
+    }
+    let begun = Instant::now();
+    let strain = strain(topology, rest, positions);
+    let wrinkle_free = if options.relaxed_integrability {
+        wrinkle_free_faces(topology, &strain, options.rule)
+    } else {
+        vec![false; topology.face_count()]
+    };
+    let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
+    for (still, &held) in still.iter_mut().zip(held) {
+        *still |= held;
+    }
+    let forms = ClosedForms::new(topology, &wrinkle_free);
+    let curvature = second_forms(topology, positions, options.curvature_rings);
+    let densities: Vec<Density> =
+        (0..topology.face_count()).map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms)).collect();
+    let wrinkle_free_energy_joule =
+        (0..topology.face_count()).filter(|&f| wrinkle_free[f]).map(|f| densities[f].energy(&Local::zeros())).sum();
+
+    let wavelength_m = first_wavelength_m(material, positions, options.first_wavelength_factor);
+    let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, wavelength_m)?;
+    let (amplitude_unit_m, energy_unit_joule) = units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
+    let mut problem = FieldProblem::new(topology, &forms, &wrinkle_free, &still, &densities, amplitude_unit_m, energy_unit_joule);
+    let start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
+    let newton = Options {
+        stage: "field",
+        iteration_limit: options.iteration_limit,
+        tolerance: options.tolerance,
+        convexity: options.convexity,
+        ridge: 1e-13,
+        energy_unit_joule,
+    };
+    let outcome = minimise(&mut problem, &start, &newton, observer)?;
+    if !outcome.energy.is_finite() {
+        return Err(Error::numeric("field", "the energy is not a finite number; check the material's constants and the pose's size"));
+    }
+    let amplitude_m = problem.amplitudes_m(&outcome.x);
+    let (phases, coefficients) = (problem.phases(&outcome.x), problem.coefficients(&outcome.x));
+    let omega = one_form(topology, &forms, &phases, &coefficients);
+    let projected_gradient = problem.projected_gradient_si(&outcome.x, &outcome.gradient);
+    let field_seconds = begun.elapsed().as_secs_f64();
+
+    let begun = Instant::now();
+    let weight: Vec<f64> = wrinkle_free.iter().map(|&free| if free { 0.0 } else { 1.0 }).collect();
+    let rounded = ClosestClosedForm::new(topology, rest, &forms, &weight)?.with_whole_periods(&phases, &coefficients);
+    let phase = corner_phases(topology, &forms, &wrinkle_free, &rounded.phases, &rounded.turns);
+    let mut periods: Vec<Period> = (0..coefficients.len())
+        .map(|k| Period {
+            turns: rounded.turns[k].abs(),
+            before_rounding: coefficients[k].abs() / std::f64::consts::TAU,
+            loop_edges: forms.loop_lengths[k],
+        })
+        .collect();
+    periods.sort_by(|p, q| q.turns.cmp(&p.turns).then(q.before_rounding.total_cmp(&p.before_rounding)));
+
+    let field = WrinkleField { amplitude_m, omega, phase, wrinkle_free };
+    let mut sum = EnergyTerms::default();
+    for f in (0..topology.face_count()).filter(|&f| !field.wrinkle_free[f]) {
+        let local = local_unknowns(topology, &field, f);
+        let part = energy_terms(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms, &local);
+        sum.stretching_joule += part.stretching_joule;
+        sum.curvature_joule += part.curvature_joule;
+        sum.mixed_joule += part.mixed_joule;
+        sum.amplitude_gradient_joule += part.amplitude_gradient_joule;
+        sum.bending_joule += part.bending_joule;
+    }
+    let report = FieldReport {
+        iterations: outcome.iterations,
+        ending: outcome.ending,
+        energy_joule: outcome.energy * energy_unit_joule,
+        energy_terms: sum,
+        wrinkle_free_energy_joule,
+        projected_gradient,
+        periods,
+        rounding_exact: rounded.exact,
+        field_seconds,
+        phase_seconds: begun.elapsed().as_secs_f64(),
+    };
+    Ok(Solved { field, report })
+}
+
+/// Unknowns of face `f` in the order of [`Local`].
+fn local_unknowns(topology: &Topology, field: &WrinkleField, f: usize) -> Local {
+    let [i, j, k] = topology.faces[f];
+    Local::from([
+        field.amplitude_m[i],
+        field.amplitude_m[j],
+        field.amplitude_m[k],
+        topology.side_sign(f, 0) * field.omega[topology.face_edges[f][0]],
+        -topology.side_sign(f, 2) * field.omega[topology.face_edges[f][2]],
+    ])
+}
+
+/// Metres in a unit of amplitude and joules in a unit of energy: the root mean square of the first guess, and what the
+/// wrinkled faces hold before they wrinkle.
+fn units(rest: &RestMetric, strain: &[FaceStrain], wrinkle_free: &[bool], densities: &[Density], wavelength_m: f64) -> (f64, f64) {
+    let (mut area, mut squares, mut energy) = (0.0, 0.0, 0.0);
+    for f in (0..strain.len()).filter(|&f| !wrinkle_free[f]) {
+        area += rest.faces[f].area_m2;
+        squares += rest.faces[f].area_m2 * 2.0 * compression(&strain[f]);
+        energy += densities[f].energy(&Local::zeros());
+    }
+    let k = wavelength_m / std::f64::consts::TAU;
+    let amplitude = k * (squares / area).sqrt();
+    (if amplitude > 0.0 { amplitude } else { k }, if energy > 0.0 { energy } else { 1.0 })
+}
+
+/// `[F][3]` phase at each corner: the vertex's phase plus whole turns.
+fn corner_phases(topology: &Topology, forms: &ClosedForms, wrinkle_free: &[bool], phases: &[f64], turns: &[i64]) -> Vec<[f64; 3]> {
+    let whole = |e: usize| forms.on_edge[e].iter().map(|&(k, value)| turns[k] * i64::from(value)).sum::<i64>();
+    topology
+        .faces
+        .iter()
+        .enumerate()
+        .map(|(f, face)| {
+            if wrinkle_free[f] {
+                return [0.0; 3];
+            }
+            let at_1 = topology.side_sign(f, 0) as i64 * whole(topology.face_edges[f][0]);
+            let at_2 = -topology.side_sign(f, 2) as i64 * whole(topology.face_edges[f][2]);
+            let turn = |m: i64| std::f64::consts::TAU * m as f64;
+            [phases[face[0]], phases[face[1]] + turn(at_1), phases[face[2]] + turn(at_2)]
+        })
+        .collect()
+}
