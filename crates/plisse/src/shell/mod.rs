@@ -1,1 +1,10 @@
-//! (to be written)
+//! Base surfaces: the coarse shape of a thin shell, free of wrinkles, by tension field theory (4.1 and appendix B of
+//! [Chen 2021]).
+//!
+//! [`tension_field`] is the membrane of a face, [`quadratic_bending`] the bending of the whole mesh, [`base`] the solve.
+
+pub mod base;
+pub mod quadratic_bending;
+pub mod tension_field;
+
+pub use base::{BaseOptions, BaseReport, Clamps, solve_base};
