@@ -428,7 +428,7 @@ mod tests {
     fn ends_of_lines_and_other_statements_do_not_matter() {
         let plain = parsed(&format!("{SQUARE}f 1 2 3\nf 1 3 4\n"));
         let dressed =
-            format!("# C:\\mesh\\\no quilt\n{SQUARE}vn 0 0 1\ng a b\nusemtl x\ns off\nl 1 2\np 1\nf 1 2 \\\n 3 # corner\n\n\tf\t1 3 4");
+            format!("o quilt\n# C:\\mesh\\\n{SQUARE}vn 0 0 1\ng a b\nusemtl x\ns off\nl 1 2\np 1\nf 1 2 \\\n 3 # corner\n\n\tf\t1 3 4");
         for text in [dressed.clone(), dressed.replace('\n', "\r\n"), dressed.replace('\n', "\r")] {
             let obj = parsed(&text);
             assert_eq!((&obj.positions, &obj.faces), (&plain.positions, &plain.faces));
