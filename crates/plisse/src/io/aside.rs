@@ -221,6 +221,8 @@ mod tests {
         let inner = place.0.join("x/y");
         drop(OutputFolder::create(&inner).unwrap());
         assert!(!place.0.join("x").exists());
+        OutputFolder::create(&place.0.join("z")).unwrap().commit().unwrap();
+        assert!(place.0.join("z").exists(), "a run that ended well keeps its folder, even without files");
         let mut folder = OutputFolder::create(&inner).unwrap();
         folder.write("a.txt", |out| out.write_all(b"new")).unwrap();
         folder.commit().unwrap();
