@@ -55,11 +55,12 @@ impl Refinement {
 
 /// One step of Loop subdivision of `coarse`. Edges with a true `crease` (`[E]`, or empty for none) are smoothed like boundary
 /// edges, only along themselves. Vertices with two crease or boundary edges move along these, with more they stay fixed, and with one
-/// (where a crease ends) they are smoothed as if there were none.
+/// (where a crease ends) they are smoothed as if there were none. Vertices with a true `corner` (`[V]` or fewer, or empty for
+/// none; missing ones are not) stay fixed too.
 ///
 /// # Panics
 /// If `crease` is neither empty nor of length E.
-pub fn refine(coarse: &Topology, crease: &[bool]) -> Refinement {
+pub fn refine(coarse: &Topology, crease: &[bool], corner: &[bool]) -> Refinement {
     assert!(crease.is_empty() || crease.len() == coarse.edge_count(), "a crease flag for each edge, or none");
     let around = EdgesAround::new(coarse.vertex_count, &coarse.edges);
     let fine = refine_topology(coarse, &around);
@@ -74,7 +75,9 @@ pub fn refine(coarse: &Topology, crease: &[bool]) -> Refinement {
     for v in 0..coarse.vertex_count {
         let edges = around.of(v);
         let across = |e: usize| coarse.edges[e][0] + coarse.edges[e][1] - v;
+        let fixed = corner.get(v).copied().unwrap_or(false);
         match edges.iter().filter(|&&e| sharp(e)).count() {
+            _ if fixed => rows.push(v, 1.0),
             0 | 1 => {
                 let beta = loop_beta(edges.len());
                 rows.push(v, 1.0 - edges.len() as f64 * beta);
@@ -350,8 +353,8 @@ mod tests {
         annulus.faces.reverse();
         let annulus = Topology::new("reversed", annulus.vertex_count, annulus.faces).unwrap();
         for (coarse, crease) in [(square().0, vec![]), (grid(3).0, vec![]), (cube, crease), (annulus, vec![]), (sewn().topology, vec![])] {
-            let once = refine(&coarse, &crease);
-            let twice = refine(&once.fine, &once.fine_crease);
+            let once = refine(&coarse, &crease, &[]);
+            let twice = refine(&once.fine, &once.fine_crease, &[]);
             for (r, c) in [(&once, &coarse), (&twice, &once.fine)] {
                 assert_eq!(r.fine.vertex_count, c.vertex_count + c.edge_count());
                 assert_eq!(r.fine.face_count(), 4 * c.face_count());
@@ -363,7 +366,7 @@ mod tests {
     #[test]
     fn fine_faces_lie_where_promised() {
         let (coarse, positions) = square();
-        let fine = refine(&coarse, &[]).fine;
+        let fine = refine(&coarse, &[], &[]).fine;
         let middle = |f: usize, side: usize| coarse.vertex_count + coarse.face_edges[f][side];
         let mut all = positions.clone();
         all.extend(coarse.edges.iter().map(|&[i, j]| (positions[i] + positions[j]) * 0.5));
@@ -382,7 +385,7 @@ mod tests {
     #[test]
     fn weights_sum_to_one_and_are_positive() {
         let (cube, _, crease) = cube();
-        for r in [refine(&square().0, &[]), refine(&cube, &[]), refine(&cube, &crease)] {
+        for r in [refine(&square().0, &[], &[]), refine(&cube, &[], &[]), refine(&cube, &crease, &[])] {
             assert!(r.apply(&vec![3.0; r.fine.vertex_count]).iter().all(|x| (x - 3.0f64).abs() < 1e-14));
             assert!((0..r.fine.vertex_count).all(|v| r.row(v).1.iter().all(|&w| w > 0.0)));
         }
@@ -392,7 +395,7 @@ mod tests {
     fn affine_fields_stay_affine() {
         let affine = |p: &Vec2| 3.0 - 2.0 * p.x + 0.7 * p.y;
         for (coarse, positions) in [square(), grid(4)] {
-            let r = refine(&coarse, &[]);
+            let r = refine(&coarse, &[], &[]);
             let field = r.apply(&positions.iter().map(affine).collect::<Vec<_>>());
             for (value, p) in field.iter().zip(r.apply(&positions)) {
                 assert!((value - affine(&p)).abs() < 1e-13);
@@ -403,7 +406,7 @@ mod tests {
     #[test]
     fn a_regular_grid_stays_where_it_is_inside() {
         let (coarse, positions) = grid(4);
-        let fine = refine(&coarse, &[]).apply(&positions);
+        let fine = refine(&coarse, &[], &[]).apply(&positions);
         let on_boundary = coarse.boundary_vertices();
         for v in (0..coarse.vertex_count).filter(|&v| !on_boundary[v]) {
             assert!((fine[v] - positions[v]).norm() < 1e-14);
@@ -416,7 +419,7 @@ mod tests {
     #[test]
     fn straight_boundaries_stay_straight_and_depend_on_nothing_inside() {
         let (coarse, positions) = square();
-        let r = refine(&coarse, &[]);
+        let r = refine(&coarse, &[], &[]);
         let fine = r.apply(&positions);
         let on_boundary = coarse.boundary_vertices();
         let corner = |p: Vec2| (p - Vec2::new(0.5, 0.5)).amin() == 0.5;
@@ -437,7 +440,7 @@ mod tests {
     fn creases_keep_a_cube_sharp() {
         let (mut t, mut x, mut crease) = cube();
         for _ in 0..3 {
-            let r = refine(&t, &crease);
+            let r = refine(&t, &crease, &[]);
             x = r.apply(&x);
             (t, crease) = (r.fine, r.fine_crease);
         }
@@ -456,7 +459,7 @@ mod tests {
         let mut crease = vec![false; coarse.edge_count()];
         let e = coarse.edges.iter().position(|&e| e == [12, 13]).unwrap();
         crease[e] = true;
-        let (with, without) = (refine(&coarse, &crease), refine(&coarse, &[]));
+        let (with, without) = (refine(&coarse, &crease, &[]), refine(&coarse, &[], &[]));
         for v in 0..with.fine.vertex_count {
             assert_eq!(with.row(v) == without.row(v), v != coarse.vertex_count + e);
         }
@@ -466,7 +469,7 @@ mod tests {
     #[test]
     fn fans_that_touch_in_a_vertex_hold_it_fixed() {
         let bow_tie = Topology::new("bow tie", 5, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
-        let r = refine(&bow_tie, &[]);
+        let r = refine(&bow_tie, &[], &[]);
         assert_eq!(r.row(2), (&[2][..], &[1.0][..]));
         assert_eq!(r.row(0), (&[0, 1, 2][..], &[0.75, 0.125, 0.125][..]));
     }
@@ -476,7 +479,7 @@ mod tests {
         let (mut t, mut x, _) = cube();
         let mut areas = vec![area(&t, &x)];
         for _ in 0..6 {
-            let r = refine(&t, &[]);
+            let r = refine(&t, &[], &[]);
             x = r.apply(&x);
             t = r.fine;
             areas.push(area(&t, &x));
@@ -501,7 +504,7 @@ mod tests {
         let mut vertex_of_rest = sewn.vertex_of_rest;
         for _ in 0..2 {
             let before = (rest.len(), rest_faces.clone(), rest.clone());
-            topology = refine(&topology, &[]).fine;
+            topology = refine(&topology, &[], &[]).fine;
             (rest, rest_faces) = refine_rest(&rest, &rest_faces);
             assert_eq!((rest_faces.len(), &rest[..before.0]), (topology.face_count(), &before.2[..]));
             // Every corner leads to one vertex of the surface, and old ones as before.
@@ -527,16 +530,16 @@ mod tests {
     #[test]
     fn the_same_mesh_gives_the_same_refinement() {
         let (coarse, _) = square();
-        assert_eq!(refine(&coarse, &[]), refine(&coarse.clone(), &[]));
-        let (e, first) = (coarse.edge_count(), refine(&coarse, &[]));
-        assert_ne!(first, refine(&coarse, &vec![true; e]));
+        assert_eq!(refine(&coarse, &[], &[]), refine(&coarse.clone(), &[], &[]));
+        let (e, first) = (coarse.edge_count(), refine(&coarse, &[], &[]));
+        assert_ne!(first, refine(&coarse, &vec![true; e], &[]));
         assert!((0..first.fine.face_count()).all(|f| first.face_parent(f) == f / 4));
     }
 
     #[test]
     fn two_faces_back_to_back_are_refined() {
         let t = Topology::new("coin", 3, vec![[0, 1, 2], [0, 2, 1]]).unwrap();
-        let twice = refine(&refine(&t, &[]).fine, &[]).fine;
+        let twice = refine(&refine(&t, &[], &[]).fine, &[], &[]).fine;
         assert_eq!((twice.vertex_count + twice.face_count()) - twice.edge_count(), 2);
         assert!((0..twice.edge_count()).all(|e| !twice.is_boundary_edge(e)));
     }

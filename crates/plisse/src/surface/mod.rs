@@ -1,1 +1,8 @@
-//! (to be written)
+//! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]): [`upsample`] subdivides both,
+//! [`displace`] moves the fine vertices by eq. 19.
+
+pub mod displace;
+pub mod upsample;
+
+pub use displace::{Displacement, displace};
+pub use upsample::{Upsampled, suggest_levels, upsample};

@@ -1,0 +1,64 @@
+//! Wrinkle fields as JSON, for scripts and other tools.
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::field::WrinkleField;
+use crate::mesh::Topology;
+
+/// The file's content.
+#[derive(Debug, Serialize)]
+struct FieldFile<'a> {
+    /// `[V]` amplitude (m).
+    amplitude: &'a [f64],
+    /// `[E]` end vertices of each edge, lower first.
+    edges: &'a [[usize; 2]],
+    /// `[E]` frequency one-form (rad) from the lower to the higher vertex; 0 on edges of no wrinkled face.
+    omega: &'a [f64],
+    /// `[F][3]` phase (rad) at each corner; 0 on wrinkle-free faces.
+    phase: &'a [[f64; 3]],
+    /// Numbers of the wrinkle-free faces.
+    wrinkle_free: Vec<usize>,
+}
+
+/// Writes `field` on `topology`.
+///
+/// # Errors
+/// What the writer says.
+pub fn write<W: Write + ?Sized>(out: &mut W, topology: &Topology, field: &WrinkleField) -> std::io::Result<()> {
+    let file = FieldFile {
+        amplitude: &field.amplitude_m,
+        edges: &topology.edges,
+        omega: &field.omega,
+        phase: &field.phase,
+        wrinkle_free: (0..topology.face_count()).filter(|&f| field.wrinkle_free[f]).collect(),
+    };
+    serde_json::to_writer(&mut *out, &file)?;
+    out.write_all(b"\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_number_comes_back_bit_for_bit() {
+        let topology = Topology::new("t", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
+        let field = WrinkleField {
+            amplitude_m: vec![0.0, 1.0 / 3.0, 1e-9, 0.1],
+            omega: vec![0.1, -0.2, 0.3, 1e300, std::f64::consts::PI],
+            phase: vec![[0.1, 0.2, 0.3], [0.0; 3]],
+            wrinkle_free: vec![false, true],
+        };
+        let mut text = Vec::new();
+        write(&mut text, &topology, &field).unwrap();
+        let back: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        let numbers = |key: &str| -> Vec<f64> { back[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        assert_eq!(numbers("amplitude"), field.amplitude_m);
+        assert_eq!(numbers("omega"), field.omega);
+        assert_eq!(back["phase"][0][2].as_f64(), Some(0.3));
+        assert_eq!(back["wrinkle_free"], serde_json::json!([1]));
+        assert_eq!(back["edges"], serde_json::json!(topology.edges));
+    }
+}

@@ -1,0 +1,275 @@
+//! Loop subdivision of a base surface together with the wrinkle field on it.
+//!
+//! Positions are smoothed over the whole mesh. Amplitude and phase live on the wrinkled faces only, whose border counts as a
+//! crease: the amplitude stays zero on it, wrinkle-free faces stay flat, and no phase is ever needed where there is none. The
+//! phase is carried as a number a vertex plus a whole number of turns an edge, so that neighbours are compared in one chart and
+//! jumps stay exact multiples of 2π at every level.
+
+use std::f64::consts::TAU;
+
+use crate::field::WrinkleField;
+use crate::mesh::subdivide::{Refinement, refine, refine_rest};
+use crate::mesh::{NONE, Topology, Vec3};
+use crate::rest::RestMetric;
+
+/// A subdivided base surface with its wrinkle field.
+#[derive(Clone, Debug)]
+pub struct Upsampled {
+    /// Fine connectivity; fine face f is part of coarse face f / 4^levels.
+    pub topology: Topology,
+    /// Subdivision steps made.
+    pub levels: usize,
+    /// `[V]` base surface (m).
+    pub base: Vec<Vec3>,
+    /// `[V]` amplitude (m), ≥ 0.
+    pub amplitude_m: Vec<f64>,
+    /// `[F][3]` phase (rad) at each corner; 0 on wrinkle-free faces.
+    pub phase: Vec<[f64; 3]>,
+    /// `[F]` whether the face is part of a wrinkle-free one.
+    pub wrinkle_free: Vec<bool>,
+    /// Rest positions (m), subdivided linearly, so that those of flat panels stay in them.
+    pub rest_positions: Vec<Vec3>,
+    /// `[F][3]` rest corners of each face.
+    pub rest_faces: Vec<[usize; 3]>,
+}
+
+/// Boundary vertices whose rest angle differs from a straight line by more than this (rad) are corners and stay in place.
+const CORNER_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
+
+/// Most fine faces that [`suggest_levels`] allows.
+const FACE_LIMIT: usize = 1_500_000;
+
+/// Subdivides `levels` times a base surface (`positions`, `[V]`, m), the `field` on it, and its rest shape.
+pub fn upsample(
+    topology: &Topology,
+    positions: &[Vec3],
+    field: &WrinkleField,
+    rest_positions: &[Vec3],
+    rest_faces: &[[usize; 3]],
+    levels: usize,
+) -> Upsampled {
+    let corners = boundary_corners(topology, rest_positions, rest_faces);
+    let mut fine = topology.clone();
+    let mut base = positions.to_vec();
+    let mut amplitude_m = field.amplitude_m.clone();
+    let mut chart = Chart::new(topology, field);
+    let mut rest = (rest_positions.to_vec(), rest_faces.to_vec());
+    let mut border: Vec<bool> = (0..topology.edge_count())
+        .map(|e| {
+            let [f, g] = topology.edge_faces[e];
+            g != NONE && field.wrinkle_free[f] != field.wrinkle_free[g]
+        })
+        .collect();
+    for _ in 0..levels {
+        let smooth = refine(&fine, &[], &corners);
+        let wrinkled = refine(&fine, &border, &corners);
+        base = smooth.apply(&base);
+        amplitude_m = wrinkled.apply(&amplitude_m);
+        chart = chart.refined(&fine, &wrinkled);
+        rest = refine_rest(&rest.0, &rest.1);
+        border = wrinkled.fine_crease;
+        fine = smooth.fine;
+    }
+    let share = 4_usize.pow(levels as u32);
+    let wrinkle_free: Vec<bool> = (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
+    let phase = chart.corners(&fine, &wrinkle_free);
+    Upsampled { topology: fine, levels, base, amplitude_m, phase, wrinkle_free, rest_positions: rest.0, rest_faces: rest.1 }
+}
+
+/// Levels after which the median wavelength spans at least eight fine edges, as far as 1.5 million faces allow; at least 2.
+pub fn suggest_levels(topology: &Topology, rest: &RestMetric, median_wavelength_m: Option<f64>) -> usize {
+    let edge = (rest.area_m2() / topology.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
+    let mut levels = 2;
+    while topology.face_count() * 4_usize.pow(levels as u32 + 1) <= FACE_LIMIT
+        && median_wavelength_m.is_some_and(|wavelength| edge / f64::from(1 << levels) > wavelength / 8.0)
+    {
+        levels += 1;
+    }
+    levels
+}
+
+/// `[V]` boundary vertices at which the rest boundary turns sharply.
+fn boundary_corners(topology: &Topology, rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Vec<bool> {
+    let mut angle = vec![0.0; topology.vertex_count];
+    for (face, rest_face) in topology.faces.iter().zip(rest_faces) {
+        for k in 0..3 {
+            let [p, q, r] = [0, 1, 2].map(|n| rest_positions[rest_face[(k + n) % 3]]);
+            angle[face[k]] += (q - p).angle(&(r - p));
+        }
+    }
+    let boundary = topology.boundary_vertices();
+    (0..topology.vertex_count).map(|v| boundary[v] && (angle[v] - std::f64::consts::PI).abs() > CORNER_ANGLE).collect()
+}
+
+/// A phase known up to whole turns.
+struct Chart {
+    /// `[V]` phase (rad).
+    phase: Vec<f64>,
+    /// `[E]` turns to add to the higher vertex's phase so that the difference to the lower one's is that along the edge.
+    turns: Vec<i64>,
+}
+
+impl Chart {
+    fn new(topology: &Topology, field: &WrinkleField) -> Self {
+        let mut phase = vec![0.0; topology.vertex_count];
+        let mut seen = vec![false; topology.vertex_count];
+        let mut turns = vec![0; topology.edge_count()];
+        for (f, face) in topology.faces.iter().enumerate() {
+            if field.wrinkle_free[f] {
+                continue;
+            }
+            for k in 0..3 {
+                if !seen[face[k]] {
+                    seen[face[k]] = true;
+                    phase[face[k]] = field.phase[f][k];
+                }
+            }
+            let offset = |k: usize| ((field.phase[f][k] - phase[face[k]]) / TAU).round() as i64;
+            for k in 0..3 {
+                let l = (k + 1) % 3;
+                turns[topology.face_edges[f][k]] = if face[k] < face[l] { offset(l) - offset(k) } else { offset(k) - offset(l) };
+            }
+        }
+        Self { phase, turns }
+    }
+
+    /// Turns of vertex `to` in the chart of `from`, along their edge `e`.
+    fn turns_towards(&self, topology: &Topology, e: usize, from: usize) -> i64 {
+        if topology.edges[e][0] == from { self.turns[e] } else { -self.turns[e] }
+    }
+
+    fn refined(&self, coarse: &Topology, refinement: &Refinement) -> Self {
+        let edge_between =
+            |i: usize, j: usize| coarse.edges.binary_search(&[i.min(j), i.max(j)]).expect("a stencil reaches along edges only");
+        // A new vertex takes the chart of the vertex it comes from; on an edge that is the lower one.
+        let phase: Vec<f64> = (0..refinement.fine.vertex_count)
+            .map(|v| {
+                let home = if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] };
+                let (vertices, weights) = refinement.row(v);
+                let mut value = self.phase[home];
+                for (&u, &w) in vertices.iter().zip(weights) {
+                    if u != home {
+                        let turns = self.turns_towards(coarse, edge_between(home, u), home);
+                        value += w * (self.phase[u] - self.phase[home] + TAU * turns as f64);
+                    }
+                }
+                value
+            })
+            .collect();
+        let home = |v: usize| if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] };
+        let turns = refinement
+            .fine
+            .edges
+            .iter()
+            .map(|&[p, q]| {
+                // Both ends expressed in the chart of p's home.
+                let (from, to) = (home(p), home(q));
+                if from == to { 0 } else { self.turns_towards(coarse, edge_between(from, to), from) }
+            })
+            .collect();
+        Self { phase, turns }
+    }
+
+    fn corners(&self, topology: &Topology, wrinkle_free: &[bool]) -> Vec<[f64; 3]> {
+        topology
+            .faces
+            .iter()
+            .enumerate()
+            .map(|(f, face)| {
+                if wrinkle_free[f] {
+                    return [0.0; 3];
+                }
+                let turns = |e: usize| TAU * self.turns_towards(topology, e, face[0]) as f64;
+                let [first, _, last] = topology.face_edges[f];
+                [self.phase[face[0]], self.phase[face[1]] + turns(first), self.phase[face[2]] + turns(last)]
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ring of `n` squares around a cylinder, `m` high, with a phase of `waves` turns around it and jumps put at odd places.
+    fn ring(n: usize, m: usize, waves: f64) -> (Topology, Vec<Vec3>, WrinkleField, Vec<Vec3>, Vec<[usize; 3]>) {
+        let at = |i: usize, j: usize| j * n + i % n;
+        let rest_at = |i: usize, j: usize| j * (n + 1) + i;
+        let (mut faces, mut rest_faces, mut phase) = (Vec::new(), Vec::new(), Vec::new());
+        for j in 0..m {
+            for i in 0..n {
+                for square in [[(i, j), (i + 1, j), (i + 1, j + 1)], [(i, j), (i + 1, j + 1), (i, j + 1)]] {
+                    faces.push(square.map(|(i, j)| at(i, j)));
+                    rest_faces.push(square.map(|(i, j)| rest_at(i, j)));
+                    let jump = ((i * 5 + j * 3) % 4) as f64;
+                    phase.push(square.map(|(i, _)| TAU * (waves * i as f64 / n as f64 + jump)));
+                }
+            }
+        }
+        let angle = |i: usize| TAU * i as f64 / n as f64;
+        let positions = (0..(m + 1) * n).map(|v| Vec3::new(angle(v % n).cos(), angle(v % n).sin(), (v / n) as f64 * 0.3)).collect();
+        let rest_positions = (0..(m + 1) * (n + 1)).map(|v| Vec3::new(angle(v % (n + 1)), (v / (n + 1)) as f64 * 0.3, 0.0)).collect();
+        let topology = Topology::new("ring", (m + 1) * n, faces).unwrap();
+        let field = WrinkleField {
+            amplitude_m: vec![0.1; topology.vertex_count],
+            omega: vec![0.0; topology.edge_count()],
+            phase,
+            wrinkle_free: vec![false; topology.face_count()],
+        };
+        (topology, positions, field, rest_positions, rest_faces)
+    }
+
+    #[test]
+    fn a_phase_that_winds_evenly_keeps_winding_evenly() {
+        let n = 10;
+        let (topology, positions, field, rest, rest_faces) = ring(n, 4, 7.0);
+        let fine = upsample(&topology, &positions, &field, &rest, &rest_faces, 3);
+        // Along the ring the phase is linear in the rest coordinate, at every corner, up to whole turns.
+        for (f, face) in fine.rest_faces.iter().enumerate() {
+            for k in 0..3 {
+                let expected = 7.0 * fine.rest_positions[face[k]].x;
+                let turns = (fine.phase[f][k] - expected) / TAU;
+                assert!((turns - turns.round()).abs() < 1e-9, "face {f}: {turns}");
+                // Inside a face there is no jump.
+                let l = (k + 1) % 3;
+                let step = 7.0 * (fine.rest_positions[face[l]].x - fine.rest_positions[face[k]].x);
+                assert!((fine.phase[f][l] - fine.phase[f][k] - step).abs() < 1e-9);
+            }
+        }
+        assert_eq!(fine.topology.face_count(), 64 * topology.face_count());
+        assert!(fine.amplitude_m.iter().all(|a| (a - 0.1).abs() < 1e-12));
+    }
+
+    #[test]
+    fn wrinkle_free_faces_stay_flat() {
+        let (topology, positions, mut field, rest, rest_faces) = ring(12, 6, 3.0);
+        for f in 40..72 {
+            field.wrinkle_free[f] = true;
+            field.phase[f] = [0.0; 3];
+            for v in topology.faces[f] {
+                field.amplitude_m[v] = 0.0;
+            }
+        }
+        let fine = upsample(&topology, &positions, &field, &rest, &rest_faces, 2);
+        for (f, face) in fine.topology.faces.iter().enumerate() {
+            if fine.wrinkle_free[f] {
+                assert!(face.iter().all(|&v| fine.amplitude_m[v] == 0.0));
+            }
+        }
+        assert!(fine.amplitude_m.iter().all(|a| *a >= 0.0) && fine.amplitude_m.iter().any(|a| *a > 0.09));
+    }
+
+    #[test]
+    fn sharp_boundary_corners_stay() {
+        let rest: Vec<Vec3> =
+            [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.1, 0.4]].iter().map(|p| Vec3::new(p[0], p[1], 0.0)).collect();
+        let faces = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+        let topology = Topology::new("sheet", 5, faces.clone()).unwrap();
+        let positions = rest.clone();
+        let field = WrinkleField { amplitude_m: vec![0.0; 5], omega: vec![0.0; 8], phase: vec![[0.0; 3]; 4], wrinkle_free: vec![true; 4] };
+        let fine = upsample(&topology, &positions, &field, &rest, &faces, 3);
+        for v in 0..4 {
+            assert_eq!(fine.base[v], positions[v]);
+        }
+    }
+}
