@@ -2,7 +2,7 @@
 //!
 //! [`solve`] makes one from a rest metric and a pose: [`wrinkle_free`] faces are left out, [`curvature`] is fitted,
 //! [`closed_forms`] spans all frequencies that can be integrated, [`initialise`] guesses (after [`comb`]ing), [`problem`] is
-//! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole turns.
+//! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole turns. [`json`] writes fields to files.
 
 pub mod closed_forms;
 pub mod closest_closed_form;
@@ -10,6 +10,7 @@ pub mod comb;
 pub mod curvature;
 pub mod density;
 pub mod initialise;
+pub mod json;
 pub mod phase_unknowns;
 pub mod problem;
 mod solve;

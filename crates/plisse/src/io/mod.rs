@@ -6,7 +6,6 @@
 
 pub mod aside;
 pub mod clamp_file;
-pub mod field_json;
 pub mod glb;
 pub mod obj;
 pub mod ply;

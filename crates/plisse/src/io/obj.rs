@@ -23,10 +23,21 @@ pub struct Obj {
     pub texture_faces: Option<Vec<[usize; 3]>>,
     /// `[F]` line (from 1) on which the face of each triangle begins.
     pub face_lines: Vec<usize>,
-    /// Number of faces that had more than three corners.
-    pub polygons_split: usize,
+    /// The faces that had more than three corners, in the order of the file, and how they were cut.
+    pub cuts: Vec<PolygonCut>,
     /// What was passed over or mended, a sentence each that begins with the (first) line.
     pub warnings: Vec<String>,
+}
+
+/// How a face with more than three corners was cut into triangles.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PolygonCut {
+    /// Number of the face in the file, from 0.
+    pub polygon: usize,
+    /// How many corners it has.
+    pub corners: usize,
+    /// Corners (from 0, in the face's own order) of its triangles.
+    pub triangles: Vec<[usize; 3]>,
 }
 
 /// Reads the OBJ file at `path`.
@@ -39,12 +50,26 @@ pub fn read(path: &Path) -> Result<Obj> {
     parse(path, &text_of(path, bytes)?)
 }
 
+/// Reads the OBJ file at `path`, which has the same faces as `rest` in another shape: its polygons are cut as those of `rest`
+/// were, so that triangles correspond.
+///
+/// # Errors
+/// As [`read`]; also [`Error::Parse`] where a face has another number of corners than its counterpart.
+pub fn read_pose(path: &Path, rest: &Obj) -> Result<Obj> {
+    let bytes = std::fs::read(path).map_err(|source| Error::reading(path, source))?;
+    parse_with(path, &text_of(path, bytes)?, Some(&rest.cuts))
+}
+
 /// Reads OBJ `text`; `path` is named in errors only.
 ///
 /// # Errors
 /// [`Error::Parse`] with the line for: empty text, no vertex, no face, a coordinate that is missing, not a number or not finite,
 /// a face with fewer than three (different) corners, an index that is 0, not a number, or beyond the vertices of the file.
 pub fn parse(path: &Path, text: &str) -> Result<Obj> {
+    parse_with(path, text, None)
+}
+
+fn parse_with(path: &Path, text: &str, cuts: Option<&[PolygonCut]>) -> Result<Obj> {
     if text.trim_ascii().is_empty() {
         return Err(Error::parse(path, 1, "the file is empty; give an OBJ file with 'v' and 'f' lines"));
     }
@@ -68,7 +93,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Obj> {
         }
         raw.add(statement, line).map_err(|message| Error::parse(path, line, message))?;
     }
-    raw.finish(path, line)
+    raw.finish(path, line, cuts)
 }
 
 /// Writes triangles as OBJ: `positions` (`[V]`, m), `faces` (`[F][3]`, from 0), and, if given, texture coordinates (`[T]`, v up)
@@ -224,7 +249,7 @@ impl Raw {
         Ok(())
     }
 
-    fn finish(self, path: &Path, last_line: usize) -> Result<Obj> {
+    fn finish(self, path: &Path, last_line: usize, cuts: Option<&[PolygonCut]>) -> Result<Obj> {
         if self.positions.is_empty() {
             let message = "the file ends without any vertex ('v x y z'); check that it is an OBJ file";
             return Err(Error::parse(path, last_line, message));
@@ -244,7 +269,7 @@ impl Raw {
         let (mut repeated, mut unsound) = (Told::default(), Told::default());
         let (mut points, mut triangles, mut kept) = (Vec::new(), Vec::new(), Vec::new());
         let mut next = 0;
-        for &(count, line) in &self.polygons {
+        for (polygon, &(count, line)) in self.polygons.iter().enumerate() {
             let corners = next..next + count as usize;
             next = corners.end;
             let beyond = |what: &str, i: u32, n: usize| {
@@ -261,7 +286,7 @@ impl Raw {
                 }
                 let before = if c == corners.start { corners.end - 1 } else { c - 1 };
                 // A triangle with a repeated corner stays, for the mesh checks to name.
-                if count == 3 || self.corners[c] != self.corners[before] {
+                if count == 3 || cuts.is_some() || self.corners[c] != self.corners[before] {
                     kept.push(c);
                 }
             }
@@ -273,11 +298,24 @@ impl Raw {
             if count == 3 {
                 triangles.push([0, 1, 2]);
             } else {
-                obj.polygons_split += 1;
                 repeated.count(kept.len() < count as usize, line);
-                points.clear();
-                points.extend(kept.iter().map(|&c| self.positions[self.corners[c] as usize]));
-                unsound.count(!polygon::triangulate(&points, &mut triangles), line);
+                match cuts.map(|cuts| cuts.get(obj.cuts.len()).filter(|c| c.polygon == polygon && c.corners == count as usize)) {
+                    Some(Some(cut)) => triangles.extend_from_slice(&cut.triangles),
+                    Some(None) => {
+                        let message = format!(
+                            "this face has {count} corners, its counterpart in the rest shape another number; export both from the same mesh"
+                        );
+                        return Err(Error::parse(path, line, message));
+                    }
+                    None => {
+                        points.clear();
+                        points.extend(kept.iter().map(|&c| self.positions[self.corners[c] as usize]));
+                        unsound.count(!polygon::triangulate(&points, &mut triangles), line);
+                    }
+                }
+                let own = |k: usize| kept[k] - corners.start;
+                let triangles = triangles.iter().map(|t| t.map(own)).collect();
+                obj.cuts.push(PolygonCut { polygon, corners: count as usize, triangles });
             }
             for triangle in &triangles {
                 obj.faces.push(triangle.map(|k| self.corners[kept[k]] as usize));
@@ -449,7 +487,7 @@ mod tests {
     #[test]
     fn polygons_become_triangles_that_know_their_line_and_texture() {
         let obj = parsed(&format!("{SQUARE}v 2 0.5 0\nvt 2 0.5\nf 1/1 2/2 3/3\nf 1/2 2/3 5/4 3/5 4/1\n"));
-        assert_eq!(obj.polygons_split, 1);
+        assert_eq!(obj.cuts.len(), 1);
         assert_eq!(obj.faces, [[0, 1, 2], [0, 1, 4], [0, 4, 2], [0, 2, 3]]);
         assert_eq!(obj.texture_faces.unwrap(), [[0, 1, 2], [1, 2, 3], [1, 3, 4], [1, 4, 0]]);
         assert_eq!(obj.face_lines, [11, 12, 12, 12]);
@@ -497,5 +535,17 @@ mod tests {
         assert!(from(b"glTF\x02\x00\x00\x00").unwrap_err().contains("line 1: this is not plain text"));
         let missing = read(Path::new("/nowhere/m.obj")).unwrap_err().to_string();
         assert!(missing.contains("/nowhere/m.obj") && missing.contains("check the path's spelling"));
+    }
+
+    #[test]
+    fn a_poses_polygons_are_cut_as_the_rest_shapes_were() {
+        let path = Path::new("m.obj");
+        // The short diagonal is 1-3 at rest and 2-4 in the pose.
+        let rest = parse(path, "v 0 0 0\nv 2 -1 0\nv 1 0 0\nv 2 1 0\nf 1 2 3\nf 1 2 3 4\n").unwrap();
+        let posed = "v 0 0 0\nv 1 -0.1 0\nv 9 0 0\nv 1 0.1 0\nf 1 2 3\nf 1 2 3 4\n";
+        assert_ne!(parse(path, posed).unwrap().faces, rest.faces);
+        assert_eq!(parse_with(path, posed, Some(&rest.cuts)).unwrap().faces, rest.faces);
+        let other = parse_with(path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nf 1 2 3\n", Some(&rest.cuts));
+        assert!(other.unwrap_err().to_string().contains("line 5"));
     }
 }

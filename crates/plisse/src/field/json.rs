@@ -4,7 +4,7 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use crate::field::WrinkleField;
+use super::WrinkleField;
 use crate::mesh::Topology;
 
 /// The file's content.

@@ -1,0 +1,108 @@
+//! What the command line understands. Units are in every flag's help.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use plisse::field::WrinkleFreeRule;
+
+/// Puts wrinkles on coarse triangle meshes.
+#[derive(Parser)]
+#[command(
+    name = "plisse",
+    version,
+    about = "Puts wrinkles and folds on coarse triangle meshes",
+    after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder"
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
+    #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
+        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.\n\
+        The scene format is described in docs/scene-format.md. Ctrl-C stops and writes the best state so far.")]
+    Solve(SolveArguments),
+    /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
+    #[command(after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 --thickness 1e-4\n\n\
+        Rest and pose have the same faces in the same order; the rest shape may have more vertices (panels, seams).\n\
+        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.")]
+    Wrinkle(WrinkleArguments),
+}
+
+/// Flags that all commands with results share.
+#[derive(Args)]
+pub(crate) struct OutputArguments {
+    /// Folder for the results [default: out/NAME, after the input file]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Subdivision steps of the wrinkled surface (each makes four faces of one), 0 to 8 [default: enough for 8 edges a wave]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub(crate) levels: Option<u32>,
+    /// Threads to use [default: one for each core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Do not draw picture.png
+    #[arg(long)]
+    pub(crate) no_picture: bool,
+    /// Energy terms or corrections to leave out, for comparisons: stretching, curvature, mixed, amplitude-gradient, bending,
+    /// v1, v2, relaxed-integrability
+    #[arg(long, value_name = "TERM", value_delimiter = ',')]
+    pub(crate) without: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct SolveArguments {
+    /// The scene file
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) output: OutputArguments,
+}
+
+#[derive(Args)]
+pub(crate) struct WrinkleArguments {
+    /// Rest shape (OBJ, metres): flat panels or any mesh without strain
+    #[arg(long, value_name = "R.obj")]
+    pub(crate) rest: PathBuf,
+    /// Pose (OBJ, metres), free of wrinkles, with the same faces
+    #[arg(long, value_name = "P.obj")]
+    pub(crate) pose: PathBuf,
+    /// Young's modulus (Pa)
+    #[arg(long, value_name = "PA")]
+    pub(crate) young: f64,
+    /// Poisson's ratio (no unit), above -1 and at most 0.5
+    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    pub(crate) poisson: f64,
+    /// Thickness (m)
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub(crate) thickness: f64,
+    /// Vertices without wrinkles: one index (from 0) a line, or lines `index x y z`
+    #[arg(long, value_name = "FILE")]
+    pub(crate) clamp: Option<PathBuf>,
+    /// How wrinkle-free faces are found
+    #[arg(long, value_enum, default_value_t = Rule::Paper)]
+    pub(crate) wrinkle_free: Rule,
+    #[command(flatten)]
+    pub(crate) output: OutputArguments,
+}
+
+/// Names of the rules for wrinkle-free faces.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum Rule {
+    /// Section 5.1 of Chen et al. 2021
+    Paper,
+    /// What the published code of Chen et al. 2021 does
+    Published,
+}
+
+impl From<Rule> for WrinkleFreeRule {
+    fn from(rule: Rule) -> Self {
+        match rule {
+            Rule::Paper => Self::Paper,
+            Rule::Published => Self::Published,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! The files that a run leaves.
+
+use plisse::Result;
+use plisse::field::curvature::vertex_normals;
+use plisse::io::aside::OutputFolder;
+use plisse::io::{glb, obj};
+use plisse::mesh::subdivide::refine_rest;
+use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw};
+use plisse::surface::Upsampled;
+
+/// Colour of the wrinkled surface in files (linear RGBA) and in pictures (sRGB).
+const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
+const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
+const BASE_SRGB: [u8; 3] = [206, 212, 220];
+
+/// Size of picture.png (pixels).
+const PICTURE_SIZE: (usize, usize) = (1600, 1200);
+
+/// Texture coordinates of a mesh.
+pub(crate) struct Texture {
+    pub(crate) coarse: (Vec<Vec2>, Vec<[usize; 3]>),
+    pub(crate) fine: (Vec<Vec2>, Vec<[usize; 3]>),
+}
+
+impl Texture {
+    /// Subdivided with the surface, linearly.
+    pub(crate) fn refined(coarse: (Vec<Vec2>, Vec<[usize; 3]>), levels: usize) -> Self {
+        let mut fine = coarse.clone();
+        for _ in 0..levels {
+            fine = refine_rest(&fine.0, &fine.1);
+        }
+        Self { coarse, fine }
+    }
+}
+
+/// Texture coordinates from flat rest panels: rest positions scaled into the unit square.
+pub(crate) fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
+    let first = *rest_positions.first()?;
+    let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let size = (high - low).x.max((high - low).y);
+    if (high - low).z > 1e-9 * size {
+        return None;
+    }
+    let coordinates = rest_positions.iter().map(|p| Vec2::new((p.x - low.x) / size, (p.y - low.y) / size)).collect();
+    Some((coordinates, rest_faces.to_vec()))
+}
+
+/// Writes base.obj, wrinkled.obj and wrinkled.glb.
+pub(crate) fn write_meshes(
+    folder: &mut OutputFolder,
+    topology: &Topology,
+    pose: &[Vec3],
+    fine: &Upsampled,
+    wrinkled: &[Vec3],
+    texture: Option<&Texture>,
+) -> Result<()> {
+    folder.write("base.obj", |out| obj::write(out, pose, &topology.faces, texture.map(|t| (&t.coarse.0[..], &t.coarse.1[..]))))?;
+    let fine_texture = texture.map(|t| (&t.fine.0[..], &t.fine.1[..]));
+    folder.write("wrinkled.obj", |out| obj::write(out, wrinkled, &fine.topology.faces, fine_texture))?;
+    let normals = vertex_normals(&fine.topology, wrinkled);
+    let mesh = glb::Mesh { positions: wrinkled, normals: &normals, faces: &fine.topology.faces, texture: fine_texture };
+    folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, glb::UpAxis::Z))
+}
+
+/// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
+pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrinkled: &[Vec3], amplitude_max_m: f64) -> Image {
+    let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
+    let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
+    let phase: Vec<[f64; 3]> =
+        fine.phase.iter().zip(&fine.wrinkle_free).map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase }).collect();
+    let panels = [
+        PanelView {
+            title: "Base surface",
+            subject: Subject { positions: pose, faces: &topology.faces },
+            paint: Paint::Plain { colour: BASE_SRGB, wireframe: true },
+        },
+        PanelView {
+            title: "Amplitude",
+            subject: base,
+            paint: Paint::Scalar { values: &millimetres, maximum: amplitude_max_m * 1e3, unit: "mm" },
+        },
+        PanelView { title: "Phase", subject: base, paint: Paint::Phase { corners: &phase } },
+        PanelView {
+            title: "Wrinkled surface",
+            subject: Subject { positions: wrinkled, faces: &fine.topology.faces },
+            paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
+        },
+    ];
+    draw(&panels, &Camera::automatic(pose, Axis::Z), PICTURE_SIZE)
+}

@@ -1,0 +1,74 @@
+//! Progress bars on the terminal (standard error); silent where that is no terminal.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use plisse::progress::{Observer, Step};
+
+/// A bar per step of the road, with energy, residual and an estimate of the time left.
+pub(crate) struct Bars<'a> {
+    interrupted: &'a AtomicBool,
+    current: Mutex<Option<Current>>,
+}
+
+struct Current {
+    stage: &'static str,
+    first_residual: f64,
+    bar: ProgressBar,
+}
+
+/// Parts of a bar: residuals have no natural count.
+const PARTS: u64 = 1000;
+
+impl<'a> Bars<'a> {
+    pub(crate) fn new(interrupted: &'a AtomicBool) -> Self {
+        Self { interrupted, current: Mutex::new(None) }
+    }
+
+    /// A spinner for a step that cannot tell how far it is; it lasts until dropped or finished.
+    pub(crate) fn spinner(&self, what: &'static str) -> ProgressBar {
+        self.finish();
+        let style = ProgressStyle::with_template("{msg:>8} {spinner} {elapsed}").expect("the template is right");
+        let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
+        bar.enable_steady_tick(Duration::from_millis(100));
+        bar
+    }
+
+    /// Takes the current bar away.
+    pub(crate) fn finish(&self) {
+        if let Some(current) = self.current.lock().expect("no thread panics while it holds a bar").take() {
+            current.bar.finish_and_clear();
+        }
+    }
+}
+
+impl Observer for Bars<'_> {
+    fn step(&self, step: &Step) {
+        let mut current = self.current.lock().expect("no thread panics while it holds a bar");
+        if current.as_ref().is_none_or(|c| c.stage != step.stage) {
+            if let Some(old) = current.take() {
+                old.bar.finish_and_clear();
+            }
+            let style = ProgressStyle::with_template("{prefix:>8} {bar:30} {msg}, {eta} left").expect("the template is right");
+            let bar = ProgressBar::new(PARTS).with_style(style).with_prefix(step.stage);
+            *current = Some(Current { stage: step.stage, first_residual: step.residual.max(step.tolerance), bar });
+        }
+        if let Some(current) = current.as_ref() {
+            // Residuals fall by orders of magnitude: the bar shows how many are done.
+            let whole = (current.first_residual / step.tolerance).ln().max(1e-9);
+            let done = (current.first_residual / step.residual.max(step.tolerance)).ln() / whole;
+            let by_count = step.iteration as f64 / step.limit.max(1) as f64;
+            current.bar.set_position((done.max(by_count).clamp(0.0, 1.0) * PARTS as f64) as u64);
+            current.bar.set_message(format!(
+                "iteration {}, energy {:.6e} J, residual {:.1e} (until {:.0e})",
+                step.iteration, step.energy_joule, step.residual, step.tolerance
+            ));
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.interrupted.load(Ordering::SeqCst)
+    }
+}

@@ -1,0 +1,215 @@
+//! report.json and the short table on the terminal: the same figures.
+
+use plisse::field::{EnergyTerms, FieldReport, WrinkleField};
+use plisse::linalg::newton::Ending;
+use plisse::mesh::Topology;
+use plisse::rest::RestMetric;
+use plisse::scene::Measured;
+use plisse::shell::BaseReport;
+use serde::Serialize;
+
+/// What a run found. Field names carry the units.
+#[derive(Serialize)]
+pub(crate) struct Report {
+    pub(crate) plisse: &'static str,
+    pub(crate) title: String,
+    pub(crate) vertices: usize,
+    pub(crate) faces: usize,
+    pub(crate) wrinkle_free_faces: usize,
+    /// Independent loops around which the phase may gain whole turns.
+    pub(crate) generators: usize,
+    /// Whole turns around each, the largest first.
+    pub(crate) periods: Vec<i64>,
+    /// Turns that the energy alone asks for, in the same order.
+    pub(crate) periods_before_rounding: Vec<f64>,
+    /// Whether the integers are proven to be the nearest.
+    pub(crate) rounding_exact: bool,
+    pub(crate) iterations: usize,
+    pub(crate) ending: &'static str,
+    /// Of the wrinkled faces, without the constant bending of the base surface.
+    pub(crate) energy_joule: f64,
+    pub(crate) energy_terms: EnergyTerms,
+    pub(crate) wrinkle_free_energy_joule: f64,
+    /// Largest component: J/m for amplitudes, J/rad for phases.
+    pub(crate) projected_gradient: f64,
+    pub(crate) amplitude_m: AmplitudeSummary,
+    /// Over wrinkled faces whose amplitude is at least 1 % of the largest; null where nothing wrinkles.
+    pub(crate) wavelength_m: Option<WavelengthSummary>,
+    pub(crate) base: Option<BaseSummary>,
+    pub(crate) surface: SurfaceSummary,
+    pub(crate) measures: Vec<Measured>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) seconds: Seconds,
+}
+
+#[derive(Serialize)]
+pub(crate) struct AmplitudeSummary {
+    pub(crate) max: f64,
+    pub(crate) mean: f64,
+}
+
+#[derive(Serialize)]
+pub(crate) struct WavelengthSummary {
+    pub(crate) min: f64,
+    pub(crate) median: f64,
+    pub(crate) max: f64,
+}
+
+#[derive(Serialize)]
+pub(crate) struct BaseSummary {
+    pub(crate) iterations: usize,
+    pub(crate) ending: &'static str,
+    pub(crate) energy_joule: f64,
+    pub(crate) gradient_newton: f64,
+    pub(crate) slack_faces: usize,
+    pub(crate) mixed_faces: usize,
+    pub(crate) taut_faces: usize,
+    pub(crate) collapsed_faces: Vec<usize>,
+    pub(crate) inverted_faces: Vec<usize>,
+}
+
+#[derive(Serialize)]
+pub(crate) struct SurfaceSummary {
+    pub(crate) levels: usize,
+    pub(crate) vertices: usize,
+    pub(crate) faces: usize,
+}
+
+#[derive(Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) base: f64,
+    pub(crate) field: f64,
+    pub(crate) phase: f64,
+    /// Of subdividing, displacing, drawing and writing.
+    pub(crate) surface: f64,
+    pub(crate) total: f64,
+}
+
+impl Report {
+    pub(crate) fn new(title: &str, topology: &Topology, rest: &RestMetric, field: &WrinkleField, found: &FieldReport) -> Self {
+        let count = field.amplitude_m.len().max(1) as f64;
+        let max = field.amplitude_m.iter().copied().fold(0.0, f64::max);
+        Self {
+            plisse: env!("CARGO_PKG_VERSION"),
+            title: title.to_owned(),
+            vertices: topology.vertex_count,
+            faces: topology.face_count(),
+            wrinkle_free_faces: field.wrinkle_free.iter().filter(|f| **f).count(),
+            generators: found.periods.len(),
+            periods: found.periods.iter().map(|p| p.turns).collect(),
+            periods_before_rounding: found.periods.iter().map(|p| p.before_rounding).collect(),
+            rounding_exact: found.rounding_exact,
+            iterations: found.iterations,
+            ending: ending_name(found.ending),
+            energy_joule: found.energy_joule,
+            energy_terms: found.energy_terms,
+            wrinkle_free_energy_joule: found.wrinkle_free_energy_joule,
+            projected_gradient: found.projected_gradient,
+            amplitude_m: AmplitudeSummary { max, mean: field.amplitude_m.iter().sum::<f64>() / count },
+            wavelength_m: wavelengths(topology, rest, field, max),
+            base: None,
+            surface: SurfaceSummary { levels: 0, vertices: 0, faces: 0 },
+            measures: Vec::new(),
+            notes: Vec::new(),
+            seconds: Seconds { base: 0.0, field: found.field_seconds, phase: found.phase_seconds, surface: 0.0, total: 0.0 },
+        }
+    }
+
+    /// The table on the terminal.
+    pub(crate) fn print(&self) {
+        let row = |name: &str, value: String| println!("  {name:<24} {value}");
+        println!("{}", self.title);
+        row("mesh", format!("{} vertices, {} faces, {} of them wrinkle-free", self.vertices, self.faces, self.wrinkle_free_faces));
+        if let Some(base) = &self.base {
+            row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));
+        }
+        row(
+            "field",
+            format!(
+                "{} iterations, {}, {:.6e} J, projected gradient {:.1e}",
+                self.iterations, self.ending, self.energy_joule, self.projected_gradient
+            ),
+        );
+        row("amplitude", format!("max {:.4e} m, mean {:.4e} m", self.amplitude_m.max, self.amplitude_m.mean));
+        match &self.wavelength_m {
+            Some(w) => row("wavelength", format!("min {:.4e} m, median {:.4e} m, max {:.4e} m", w.min, w.median, w.max)),
+            None => row("wavelength", "nothing wrinkles".to_owned()),
+        }
+        if !self.periods.is_empty() {
+            let mut text: Vec<String> = self.periods.iter().take(8).map(ToString::to_string).collect();
+            if self.periods.len() > 8 {
+                text.push(format!("… ({} loops)", self.periods.len()));
+            }
+            row("waves around loops", format!("{} ({:.2} before rounding)", text.join(", "), self.periods_before_rounding[0]));
+        }
+        for measured in &self.measures {
+            let unit = if measured.unit.is_empty() { String::new() } else { format!(" {}", measured.unit) };
+            let mut text = format!("{:.4}{unit}", Plain(measured.value));
+            if let Some(published) = measured.published {
+                text += &format!(", published {}{unit}", Plain(published));
+                if let Some(source) = &measured.source {
+                    text += &format!(" ({source})");
+                }
+            }
+            row(&measured.name, text);
+        }
+        row("surface", format!("{} levels, {} vertices, {} faces", self.surface.levels, self.surface.vertices, self.surface.faces));
+        let s = &self.seconds;
+        row(
+            "seconds",
+            format!("base {:.3}, field {:.3}, phase {:.3}, surface {:.3}, total {:.3}", s.base, s.field, s.phase, s.surface, s.total),
+        );
+        for note in &self.notes {
+            println!("  note: {note}");
+        }
+    }
+}
+
+/// A number without needless digits: small ones in scientific notation.
+struct Plain(f64);
+
+impl std::fmt::Display for Plain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let v = self.0;
+        if v == 0.0 || (1e-2..1e6).contains(&v.abs()) { write!(f, "{}", (v * 100.0).round() / 100.0) } else { write!(f, "{v:.3e}") }
+    }
+}
+
+/// A few words for the end of a minimisation.
+pub(crate) fn ending_name(ending: Ending) -> &'static str {
+    match ending {
+        Ending::Converged => "converged",
+        Ending::RoundOff => "converged to rounding",
+        Ending::IterationLimit => "iteration limit reached",
+        Ending::Cancelled => "interrupted",
+    }
+}
+
+impl From<&BaseReport> for BaseSummary {
+    fn from(base: &BaseReport) -> Self {
+        Self {
+            iterations: base.iterations,
+            ending: ending_name(base.ending),
+            energy_joule: base.energy_joule,
+            gradient_newton: base.gradient_newton,
+            slack_faces: base.states[0],
+            mixed_faces: base.states[1],
+            taut_faces: base.states[2],
+            collapsed_faces: base.collapsed_faces.clone(),
+            inverted_faces: base.inverted_faces.clone(),
+        }
+    }
+}
+
+fn wavelengths(topology: &Topology, rest: &RestMetric, field: &WrinkleField, largest: f64) -> Option<WavelengthSummary> {
+    let mut list: Vec<f64> = (0..topology.face_count())
+        .filter(|&f| {
+            let mean = topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>() / 3.0;
+            !field.wrinkle_free[f] && largest > 0.0 && mean >= 0.01 * largest
+        })
+        .map(|f| std::f64::consts::TAU / field.frequency(topology, rest, f).norm())
+        .filter(|w| w.is_finite())
+        .collect();
+    list.sort_by(f64::total_cmp);
+    Some(WavelengthSummary { min: *list.first()?, median: list[list.len() / 2], max: *list.last()? })
+}

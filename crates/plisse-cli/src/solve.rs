@@ -1,0 +1,59 @@
+//! `plisse solve`: a scene file to a wrinkled surface.
+
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use plisse::Result;
+use plisse::mesh::Vec3;
+use plisse::scene;
+use plisse::shell::{BaseReport, solve_base};
+
+use crate::Done;
+use crate::arguments::SolveArguments;
+use crate::outputs::panel_texture;
+use crate::progress::Bars;
+use crate::road::{Posed, finish, leave_out, open_output, with_threads};
+
+pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
+    let begun = Instant::now();
+    let mut built = scene::build(&scene::read(&arguments.scene)?)?;
+    leave_out(&mut built.field, &arguments.output.without)?;
+    let folder = open_output(&arguments.output, &arguments.scene)?;
+    let bars = Bars::new(interrupted);
+    with_threads(arguments.output.threads, || {
+        let (pose, base) = solve_base(&built.topology, &built.rest, &built.start, &built.clamps, &built.material, &built.base, &bars)?;
+        bars.finish();
+        let rest_positions: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        let posed = Posed {
+            title: &built.title,
+            topology: &built.topology,
+            rest: &built.rest,
+            rest_shape: (&rest_positions, &built.rest_faces),
+            texture: panel_texture(&rest_positions, &built.rest_faces),
+            pose: &pose,
+            held: &built.clamps.held(),
+            material: &built.material,
+            field: built.field.clone(),
+            levels: built.levels,
+            v1: built.v1,
+            v2: built.v2,
+            base: Some(&base),
+            notes: base_notes(&base),
+        };
+        finish(posed, &arguments.output, folder, &bars, interrupted, begun, |field, report| scene::measure(&built, field, report))
+    })
+}
+
+/// What the user should know about a base surface: the paper's own warning about tension field theory.
+fn base_notes(base: &BaseReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")] {
+        if let Some(first) = faces.first() {
+            notes.push(format!(
+                "the base surface has {} {what} face(s), the first is face {first}; set base.compressive_stiffness to a little, e.g. 1e-3",
+                faces.len()
+            ));
+        }
+    }
+    notes
+}
