@@ -71,13 +71,13 @@ pub(crate) struct WrinkleArguments {
     #[arg(long, value_name = "P.obj")]
     pub(crate) pose: PathBuf,
     /// Young's modulus (Pa)
-    #[arg(long, value_name = "PA")]
+    #[arg(long, value_name = "PA", allow_hyphen_values = true)]
     pub(crate) young: f64,
     /// Poisson's ratio (no unit), above -1 and at most 0.5
-    #[arg(long, value_name = "NU", allow_negative_numbers = true)]
+    #[arg(long, value_name = "NU", allow_hyphen_values = true)]
     pub(crate) poisson: f64,
     /// Thickness (m)
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pub(crate) thickness: f64,
     /// Vertices without wrinkles: one index (from 0) a line, or lines `index x y z`
     #[arg(long, value_name = "FILE")]

@@ -136,7 +136,7 @@ pub fn solve(
     let densities: Vec<Density> =
         (0..topology.face_count()).map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms)).collect();
     let wrinkle_free_energy_joule =
-        (0..topology.face_count()).filter(|&f| wrinkle_free[f]).map(|f| densities[f].energy(&Local::zeros())).sum();
+        (0..topology.face_count()).filter(|&f| wrinkle_free[f]).fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
 
     let wavelength_m = first_wavelength_m(material, positions, options.first_wavelength_factor);
     let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, wavelength_m)?;
