@@ -1,0 +1,272 @@
+//! What a scene file may say: one struct for each of its tables, with the file's own field names.
+//!
+//! Only types and defaults are here; [`super::read`] checks what the types cannot say. Lengths are in m, angles in degrees
+//! (people write these files), as the names of the fields say.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+
+/// A scene file.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// The file it came from, for messages; not a field of the file.
+    #[serde(skip)]
+    pub file: PathBuf,
+    /// Name of the scene.
+    pub title: String,
+    /// What was published about it, in words.
+    #[serde(default)]
+    pub paper: String,
+    /// The sheet's material.
+    pub material: MaterialTable,
+    /// Flat panels, at least one.
+    pub panel: Vec<PanelTable>,
+    /// What is sewn to what.
+    #[serde(default)]
+    pub seam: Vec<SeamTable>,
+    /// What is held, and where it is moved.
+    #[serde(default)]
+    pub clamp: Vec<ClampTable>,
+    /// Options of the base solve.
+    #[serde(default)]
+    pub base: BaseTable,
+    /// Options of the field solve.
+    #[serde(default)]
+    pub field: FieldTable,
+    /// Options of the displaced surface.
+    #[serde(default)]
+    pub surface: SurfaceTable,
+    /// What to measure on the result.
+    #[serde(default)]
+    pub measure: Vec<MeasureTable>,
+}
+
+/// `[material]`: see [`crate::material::Material`].
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialTable {
+    /// Young's modulus (Pa), > 0.
+    pub young_pa: f64,
+    /// Poisson's ratio (no unit), > −1 and ≤ 0.5.
+    pub poisson: f64,
+    /// Thickness (m), > 0.
+    pub thickness_m: f64,
+}
+
+/// `[[panel]]`: a flat piece, see [`crate::mesh::panel`].
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PanelTable {
+    /// Name by which seams, clamps and measures call it; without a dot.
+    pub name: String,
+    /// Which outline it has; decides which of the sizes below must be given.
+    pub shape: Shape,
+    /// Extent of a rectangle along x (m).
+    pub width_m: Option<f64>,
+    /// Extent of a rectangle along y (m).
+    pub height_m: Option<f64>,
+    /// Radius of a disk (m).
+    pub radius_m: Option<f64>,
+    /// Radius of an annulus's hole (m).
+    pub inner_radius_m: Option<f64>,
+    /// Radius of an annulus's outer rim (m).
+    pub outer_radius_m: Option<f64>,
+    /// Corners of a polygon (m), in order.
+    pub corners_m: Option<Vec<[f64; 2]>>,
+    /// Mean edge length (m).
+    pub edge_length_m: f64,
+    /// Chooses one of many equally good triangulations.
+    #[serde(default = "one")]
+    pub seed: u64,
+    /// Where the panel lies at the start.
+    #[serde(default)]
+    pub place: Place,
+}
+
+fn one() -> u64 {
+    1
+}
+
+/// Outline of a panel; see [`crate::mesh::panel::Outline`] for the names of its sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Shape {
+    /// Needs `width_m` and `height_m`.
+    Rectangle,
+    /// Needs `radius_m`.
+    Disk,
+    /// Needs `inner_radius_m` and `outer_radius_m`.
+    Annulus,
+    /// Needs `corners_m`.
+    Polygon,
+}
+
+/// Start pose of a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub enum Place {
+    /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis).
+    Flat {
+        /// Where the panel's origin lies (m).
+        #[serde(default)]
+        origin_m: [f64; 3],
+        /// Direction of the panel's x (any length but 0).
+        #[serde(default = "x_axis")]
+        x_axis: [f64; 3],
+        /// Direction of the panel's y (any length but 0), perpendicular to the x axis.
+        #[serde(default = "y_axis")]
+        y_axis: [f64; 3],
+    },
+    /// Around the z axis: panel point (x, y) at angle x/radius and height y.
+    Rolled {
+        /// Radius (m).
+        radius_m: f64,
+    },
+}
+
+fn x_axis() -> [f64; 3] {
+    [1.0, 0.0, 0.0]
+}
+
+fn y_axis() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Self::Flat { origin_m: [0.0; 3], x_axis: x_axis(), y_axis: y_axis() }
+    }
+}
+
+/// `[[seam]]`: two sides become one.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SeamTable {
+    /// A side, as "panel.side".
+    pub a: String,
+    /// The other side.
+    pub b: String,
+    /// Whether `b` runs against `a`. A closed side keeps its first vertex.
+    #[serde(default)]
+    pub reversed: bool,
+}
+
+/// `[[clamp]]`: a side that is held.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ClampTable {
+    /// The side, as "panel.side".
+    pub side: String,
+    /// Which coordinates are held: letters of "xyz".
+    #[serde(default = "xyz")]
+    pub axes: String,
+    /// By how much it is moved from its start pose (m), after the turn.
+    #[serde(default)]
+    pub move_m: [f64; 3],
+    /// How it is turned from its start pose.
+    pub turn: Option<TurnTable>,
+}
+
+fn xyz() -> String {
+    "xyz".to_owned()
+}
+
+/// `turn` of a clamp: a rotation, counter-clockwise seen against the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TurnTable {
+    /// Direction of the axis (any length but 0).
+    pub axis: [f64; 3],
+    /// Angle (degrees).
+    pub angle_deg: f64,
+    /// A point on the axis (m).
+    #[serde(default)]
+    pub centre_m: [f64; 3],
+}
+
+/// `[base]`: see [`crate::shell::BaseOptions`], whose defaults hold for what is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BaseTable {
+    /// Share of the resistance that is left against compression (0 to 1).
+    pub compressive_stiffness: Option<f64>,
+    /// Newton iterations at most.
+    pub iteration_limit: Option<usize>,
+}
+
+/// `[field]`: see [`crate::field::FieldOptions`], whose defaults hold for what is missing.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FieldTable {
+    /// How wrinkle-free faces are found.
+    pub wrinkle_free: Option<Rule>,
+    /// Terms of the energy to leave out, for ablation.
+    #[serde(default)]
+    pub without: Vec<String>,
+    /// Rings of vertices that curvature is fitted to.
+    pub curvature_rings: Option<usize>,
+    /// Newton iterations at most.
+    pub iteration_limit: Option<usize>,
+}
+
+/// How wrinkle-free faces are found: see [`crate::field::WrinkleFreeRule`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rule {
+    /// Section 5.1 of [Chen 2021].
+    Paper,
+    /// What the published code does.
+    Published,
+}
+
+/// `[surface]`: how the wrinkled surface is made.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SurfaceTable {
+    /// Subdivisions (0 to 6); none: as many as the wavelength asks for.
+    pub levels: Option<usize>,
+    /// Whether to displace by the in-plane correction v₁, too.
+    pub v1: bool,
+    /// Whether to displace by the in-plane correction v₂, too.
+    pub v2: bool,
+}
+
+impl Default for SurfaceTable {
+    fn default() -> Self {
+        Self { levels: None, v1: false, v2: true }
+    }
+}
+
+/// `[[measure]]`: a number to take from the result.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeasureTable {
+    /// Name of the number.
+    pub name: String,
+    /// What it is; decides which of the fields below must be given.
+    pub kind: MeasureKind,
+    /// `waves_along`: the panel.
+    pub panel: Option<String>,
+    /// `waves_along`: start of a straight line in panel coordinates (m).
+    pub from_m: Option<[f64; 2]>,
+    /// `waves_along`: its end (m).
+    pub to_m: Option<[f64; 2]>,
+    /// The published number, in the measure's unit.
+    pub published: Option<f64>,
+    /// Where it was published.
+    pub source: Option<String>,
+}
+
+/// What a measure is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeasureKind {
+    /// Whole turns of the phase around the loop that has most of them (waves).
+    LargestPeriod,
+    /// Largest amplitude (m).
+    PeakAmplitude,
+    /// Waves that a straight line on a panel crosses; needs `panel`, `from_m` and `to_m`.
+    WavesAlong,
+}
