@@ -103,7 +103,7 @@ impl Scene {
             if let Some(turn) = &clamp.turn {
                 direction(&field("turn.axis"), turn.axis)?;
                 in_reach(&field("turn.centre_m"), &turn.centre_m)?;
-                if !(turn.angle_deg.abs() <= 1e6) {
+                if turn.angle_deg.is_nan() || turn.angle_deg.abs() > 1e6 {
                     let message = format!("{} is no usable angle; give degrees between -1e6 and 1e6", turn.angle_deg);
                     return Err(Error::value(field("turn.angle_deg"), message));
                 }
@@ -279,7 +279,7 @@ fn positive(field: &str, value: f64) -> Result<f64> {
 }
 
 fn in_reach(field: &str, values: &[f64]) -> Result<()> {
-    match values.iter().find(|value| !(value.abs() <= FARTHEST_M)) {
+    match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
         None => Ok(()),
         Some(value) => Err(Error::value(field, format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"))),
     }
