@@ -329,3 +329,180 @@ fn probes(scene: &Scene, panels: &[BuiltPanel], sewn: &Sewn) -> Result<Vec<Probe
     }
     Ok(probes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{parse, read};
+
+    const SHEET: &str = r#"
+        title = "sheet"
+        material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
+        panel = [{ name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, edge_length_m = 0.1 }]
+    "#;
+
+    fn built(more: &str) -> Result<Built> {
+        build(&parse("s.toml", &format!("{SHEET}\n{more}")).unwrap())
+    }
+
+    fn message(more: &str) -> String {
+        built(more).unwrap_err().to_string()
+    }
+
+    fn example(name: &str) -> Built {
+        build(&read(format!("{}/../../examples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn the_cylinder_is_rolled_without_strain_and_its_top_turned() {
+        let b = example("01-twisted-cylinder.toml");
+        assert!((670..=700).contains(&b.topology.vertex_count), "{} vertices", b.topology.vertex_count);
+        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count());
+        for s in crate::strain::strain(&b.topology, &b.rest, &b.start) {
+            // A chord of length l on radius 1 is shorter by l²/24, twice of which is strain; edges are at most 0.45 m long.
+            assert!(s.principal.iter().all(|p| p.abs() < 0.45 * 0.45 / 12.0), "{:?}", s.principal);
+        }
+        let (sine, cosine) = 10_f64.to_radians().sin_cos();
+        let mut held = [0, 0];
+        for (start, target) in b.start.iter().zip(&b.clamps.targets) {
+            assert!((start.xy().norm() - 1.0).abs() < 1e-12);
+            let &[Some(x), Some(y), Some(z)] = target else {
+                assert!(*target == [None; 3] && start.z > 0.0 && start.z < 5.0);
+                continue;
+            };
+            let turned = Vec3::new(cosine * start.x - sine * start.y, sine * start.x + cosine * start.y, 5.0);
+            let expected = if start.z == 0.0 { *start } else { turned };
+            held[usize::from(start.z > 0.0)] += 1;
+            assert!((Vec3::new(x, y, z) - expected).norm() < 1e-12);
+        }
+        assert_eq!(held, [26, 26]);
+        assert_eq!((b.levels, b.v1, b.v2, b.panels.len()), (None, false, true, 1));
+        assert_eq!(b.panels[0].faces, 0..b.topology.face_count());
+        assert_eq!(b.panels[0].rest_vertices, 0..b.rest_positions.len());
+    }
+
+    #[test]
+    fn the_sheets_of_the_examples_are_as_large_as_published() {
+        for (name, range, end, distance) in
+            [("02-stretched-sheet.toml", 500..540, 0.0, 0.00625), ("03-sheared-rectangle.toml", 970..1030, 0.128, 0.003)]
+        {
+            let b = example(name);
+            assert!(range.contains(&b.topology.vertex_count), "{name}: {} vertices", b.topology.vertex_count);
+            let moved: Vec<f64> = (0..b.start.len()).filter_map(|v| b.clamps.targets[v][0].map(|x| x - b.start[v].x)).collect();
+            assert!(moved.iter().any(|d| (d - distance).abs() < 1e-15), "{name}");
+            assert!(b.clamps.targets.iter().all(|t| t[0].is_some() == t[1].is_some() && t[0].is_some() == t[2].is_some()));
+            assert!(b.start.iter().any(|p| p.y == end) && b.probes.len() >= 2);
+        }
+    }
+
+    #[test]
+    fn turns_come_before_moves_and_about_their_centre() {
+        let clamp = "[[clamp]]\nside = \"p.left\"\nmove_m = [0.0, 0.0, 1.0]\nturn = { axis = [0, 0, 3], angle_deg = 90, centre_m = [0.0, 0.5, 0.0] }";
+        let b = built(clamp).unwrap();
+        for (start, target) in b.start.iter().zip(&b.clamps.targets).filter(|(_, t)| t[0].is_some()) {
+            let expected = [0.5 - start.y, 0.5, 1.0];
+            assert!((0..3).all(|axis| (target[axis].unwrap() - expected[axis]).abs() < 1e-12), "{start:?} {target:?}");
+        }
+        assert_eq!(b.clamps.held().iter().filter(|h| **h).count(), 6);
+    }
+
+    #[test]
+    fn clamps_that_contradict_each_other_are_both_named() {
+        let (left, bottom) = ("[[clamp]]\nside = \"p.left\"", "[[clamp]]\nside = \"p.bottom\"");
+        let text = message(&format!("{left}\n{bottom}\nmove_m = [0.0, 0.1, 0.0]"));
+        assert!(text.starts_with("s.toml, clamp[1]: \"p.bottom\" takes a vertex to y = 0.1 m"), "{text}");
+        assert!(text.contains("clamp[0] \"p.left\""), "{text}");
+        assert!(built(&format!("{left}\n{bottom}")).is_ok());
+        assert!(built(&format!("{left}\naxes = \"xz\"\n{bottom}\naxes = \"y\"\nmove_m = [0.0, 0.1, 0.0]")).is_ok());
+        // Round-off is no contradiction.
+        assert!(built(&format!("{left}\n{bottom}\nmove_m = [0.0, 1e-14, 0.0]")).is_ok());
+    }
+
+    #[test]
+    fn what_nothing_holds_is_told() {
+        let text = message("");
+        assert!(text.contains("s.toml, clamp: nothing holds the surface"), "{text}");
+        let text = message("[[clamp]]\nside = \"p.left\"\naxes = \"xy\"");
+        assert!(text.contains("nothing holds panel \"p\"") && text.contains("along z"), "{text}");
+        let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3";
+        let scene = format!("{}\n{other}\n[[clamp]]\nside = \"p.left\"", table_panel());
+        let text = build(&parse("s.toml", &scene).unwrap()).unwrap_err().to_string();
+        assert!(text.contains("nothing holds panel \"q\"") && text.contains("along x"), "{text}");
+    }
+
+    /// The sheet with its panel as a table of its own, so that others can follow.
+    fn table_panel() -> String {
+        SHEET
+            .replace("panel = [{", "[[panel]]\n")
+            .replace("}]", "")
+            .replace(", shape", "\nshape")
+            .replace(", width_m", "\nwidth_m")
+            .replace(", height_m", "\nheight_m")
+            .replace(", edge_length_m", "\nedge_length_m")
+    }
+
+    #[test]
+    fn sewn_sides_must_start_at_one_place() {
+        let second = |x: f64| {
+            format!(
+                "{}\nplace = {{ kind = \"flat\", origin_m = [{x}, 0, 0] }}\n[[seam]]\na = \"p.right\"\nb = \"q.left\"\nreversed = true\n[[clamp]]\nside = \"p.left\"",
+                table_panel() + &table_panel()[table_panel().find("[[panel]]").unwrap()..].replace("\"p\"", "\"q\"")
+            )
+        };
+        let build_at = |x| build(&parse("s.toml", &second(x)).unwrap());
+        let b = build_at(1.0).unwrap();
+        assert_eq!((b.topology.vertex_count, b.panels[1].name.as_str()), (b.rest_positions.len() - 6, "q"));
+        assert_eq!(b.start.iter().map(|p| p.x).fold(0.0, f64::max), 2.0);
+        assert!(build_at(1.0 + 1e-8).is_ok());
+        let text = build_at(1.1).unwrap_err().to_string();
+        assert!(text.contains("s.toml, seam[0]: \"p.right\" and \"q.left\" start 1.000e-1 m apart"), "{text}");
+    }
+
+    #[test]
+    fn a_reversed_closed_side_keeps_its_first_vertex() {
+        let text = r#"
+            title = "mirrored"
+            material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
+            panel = [
+                { name = "a", shape = "annulus", inner_radius_m = 0.5, outer_radius_m = 1.0, edge_length_m = 0.2 },
+                { name = "b", shape = "disk", radius_m = 0.5, edge_length_m = 0.2, place = { kind = "flat", y_axis = [0, -1, 0] } },
+            ]
+            seam = [{ a = "a.inner", b = "b.rim", reversed = true }]
+            clamp = [{ side = "a.outer" }]"#;
+        let b = build(&parse("s.toml", text).unwrap()).unwrap();
+        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 1);
+        let apart = build(&parse("s.toml", &text.replace("true", "false")).unwrap()).unwrap_err().to_string();
+        assert!(apart.contains("seam[0]"), "{apart}");
+    }
+
+    #[test]
+    fn options_arrive() {
+        let clamp = "[[clamp]]\nside = \"p.left\"\n";
+        let b = built(clamp).unwrap();
+        assert_eq!((b.base.iteration_limit, b.field.rule), (BaseOptions::default().iteration_limit, FieldOptions::default().rule));
+        let more = "[base]\ncompressive_stiffness = 0.25\niteration_limit = 7\n[field]\nwrinkle_free = \"published\"\n\
+            without = [\"v1\", \"mixed\", \"relaxed-integrability\"]\ncurvature_rings = 2\niteration_limit = 9\n\
+            [surface]\nlevels = 3\nv1 = true\nv2 = false\n";
+        let b = built(&format!("{clamp}{more}")).unwrap();
+        assert_eq!((b.base.compressive_stiffness, b.base.iteration_limit), (0.25, 7));
+        assert_eq!((b.field.rule, b.field.curvature_rings, b.field.iteration_limit), (WrinkleFreeRule::Published, 2, 9));
+        assert!(!b.field.terms.v1 && !b.field.terms.mixed && b.field.terms.v2 && !b.field.relaxed_integrability);
+        assert_eq!((b.levels, b.v1, b.v2), (Some(3), true, false));
+        assert_eq!(b.material, Material::new(1e7, 0.3, 1e-4).unwrap());
+    }
+
+    #[test]
+    fn lines_beside_their_panel_and_panels_too_fine_are_told() {
+        let line = |y: f64| {
+            format!(
+                "[[clamp]]\nside = \"p.left\"\n[[measure]]\nname = \"m\"\nkind = \"waves_along\"\npanel = \"p\"\nfrom_m = [0, {y}]\nto_m = [1, {y}]"
+            )
+        };
+        assert!(built(&line(0.5)).is_ok() && built(&line(0.0)).is_ok());
+        let text = message(&line(0.6));
+        assert!(text.contains("s.toml, measure[0].from_m: the line to to_m misses the panel"), "{text}");
+        let fine = SHEET.replace("edge_length_m = 0.1", "edge_length_m = 1e-5");
+        let text = build(&parse("s.toml", &fine).unwrap()).unwrap_err().to_string();
+        assert!(text.starts_with("s.toml, panel[0].edge_length_m"), "{text}");
+    }
+}

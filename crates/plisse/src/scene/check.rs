@@ -103,7 +103,7 @@ impl Scene {
             if let Some(turn) = &clamp.turn {
                 direction(&field("turn.axis"), turn.axis)?;
                 in_reach(&field("turn.centre_m"), &turn.centre_m)?;
-                if !(turn.angle_deg.abs() <= 1e6) {
+                if turn.angle_deg.is_nan() || turn.angle_deg.abs() > 1e6 {
                     let message = format!("{} is no usable angle; give degrees between -1e6 and 1e6", turn.angle_deg);
                     return Err(Error::value(field("turn.angle_deg"), message));
                 }
@@ -201,9 +201,7 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
     }
     let size = |name: &str, value: Option<f64>| positive(&format!("{place}.{name}"), value.unwrap_or_default());
     Ok(match panel.shape {
-        Shape::Rectangle => {
-            Outline::Rectangle { width_m: size("width_m", panel.width_m)?, height_m: size("height_m", panel.height_m)? }
-        }
+        Shape::Rectangle => Outline::Rectangle { width_m: size("width_m", panel.width_m)?, height_m: size("height_m", panel.height_m)? },
         Shape::Disk => Outline::Disk { radius_m: size("radius_m", panel.radius_m)? },
         Shape::Annulus => Outline::Annulus {
             inner_radius_m: size("inner_radius_m", panel.inner_radius_m)?,
@@ -281,7 +279,7 @@ fn positive(field: &str, value: f64) -> Result<f64> {
 }
 
 fn in_reach(field: &str, values: &[f64]) -> Result<()> {
-    match values.iter().find(|value| !(value.abs() <= FARTHEST_M)) {
+    match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
         None => Ok(()),
         Some(value) => Err(Error::value(field, format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"))),
     }
@@ -293,5 +291,81 @@ fn within(field: &str, value: Option<usize>, low: usize, high: usize) -> Result<
             Err(Error::value(field, format!("{value} is out of range; give a whole number from {low} to {high}")))
         }
         _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse;
+
+    const SCENE: &str = r#"
+        title = "t"
+        material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
+        panel = [
+            { name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, edge_length_m = 0.1, place = { kind = "rolled", radius_m = 2.0 } },
+            { name = "q", shape = "polygon", corners_m = [[0, 0], [1, 0], [0, 1]], edge_length_m = 0.2, place = { kind = "flat", x_axis = [1, 0, 0], y_axis = [0, 2, 0] } },
+        ]
+        seam = [{ a = "p.left", b = "p.right" }]
+        clamp = [{ side = "q.2", axes = "zx", move_m = [0, 0, 0], turn = { axis = [0, 0, 1], angle_deg = 1 } }]
+        base = { compressive_stiffness = 0.5, iteration_limit = 10 }
+        field = { without = ["v1", "v2"], curvature_rings = 4, iteration_limit = 10 }
+        surface = { levels = 6 }
+        measure = [
+            { name = "m", kind = "waves_along", panel = "p", from_m = [0, 0], to_m = [1, 0], published = 3 },
+            { name = "n", kind = "peak_amplitude" },
+        ]"#;
+
+    #[test]
+    fn wrong_values_name_their_field() {
+        parse("s.toml", SCENE).unwrap();
+        for (from, to, field, says) in [
+            ("title = \"t\"", "title = \" \"", "title", "empty"),
+            ("1e7", "-1", "material.young_pa", "above 0"),
+            ("poisson = 0.3", "poisson = 0.6", "material.poisson", "0.6"),
+            ("1e-4", "nan", "material.thickness_m", "NaN"),
+            ("name = \"q\"", "name = \"p\"", "panel[1].name", "panel[0] is called \"p\", too"),
+            ("name = \"q\"", "name = \"q.r\"", "panel[1].name", "dot"),
+            ("width_m = 1.0, ", "", "panel[0].width_m", "a rectangle needs this"),
+            ("width_m = 1.0", "width_m = 1.0, radius_m = 1.0", "panel[0].radius_m", "a rectangle has no such field"),
+            ("width_m = 1.0", "width_m = 0.0", "panel[0].width_m", "0 is no usable length"),
+            ("height_m = 0.5", "height_m = 1e10", "panel[0].height_m", "1e9"),
+            ("edge_length_m = 0.2", "edge_length_m = inf", "panel[1].edge_length_m", "inf"),
+            ("[1, 0], [0, 1]]", "[1, nan], [0, 1]]", "panel[1].corners_m[1]", "NaN"),
+            ("radius_m = 2.0", "radius_m = -2.0", "panel[0].place.radius_m", "-2"),
+            ("[0, 2, 0]", "[1, 2, 0]", "panel[1].place.y_axis", "perpendicular"),
+            ("x_axis = [1, 0, 0]", "x_axis = [0, 0, 0]", "panel[1].place.x_axis", "no length"),
+            ("p.right", "p.up", "seam[0].b", "its sides are bottom, right, top, left"),
+            ("p.right", "p.left", "seam[0].b", "cannot be sewn to itself"),
+            ("p.left", "left", "seam[0].a", "\"panel.side\", such as \"p.bottom\""),
+            ("q.2", "q.3", "clamp[0].side", "its sides are 0, 1, 2"),
+            ("q.2", "r.2", "clamp[0].side", "the panels are p, q"),
+            ("\"zx\"", "\"xx\"", "clamp[0].axes", "each once"),
+            ("\"zx\"", "\"\"", "clamp[0].axes", "letters x, y and z"),
+            ("\"zx\"", "\"xw\"", "clamp[0].axes", "letters x, y and z"),
+            ("move_m = [0, 0, 0]", "move_m = [0, 0, 1e300]", "clamp[0].move_m", "finite"),
+            ("axis = [0, 0, 1]", "axis = [0, 0, 0]", "clamp[0].turn.axis", "no length"),
+            ("angle_deg = 1", "angle_deg = nan", "clamp[0].turn.angle_deg", "NaN"),
+            ("angle_deg = 1", "angle_deg = 1, centre_m = [inf, 0, 0]", "clamp[0].turn.centre_m", "inf"),
+            ("0.5, iteration", "1.5, iteration", "base.compressive_stiffness", "from 0 to 1"),
+            ("0.5, iteration_limit = 10", "0.5, iteration_limit = 0", "base.iteration_limit", "from 1 to 1000000"),
+            ("\"v2\"]", "\"v3\"]", "field.without[1]", "amplitude-gradient, bending, v1, v2, relaxed-integrability"),
+            ("\"v2\"]", "\"v1\"]", "field.without[1]", "twice"),
+            ("rings = 4", "rings = 21", "field.curvature_rings", "from 1 to 20"),
+            ("4, iteration_limit = 10", "4, iteration_limit = 1000001", "field.iteration_limit", "1000001"),
+            ("levels = 6", "levels = 7", "surface.levels", "7 is out of range; give a whole number from 0 to 6"),
+            ("name = \"n\"", "name = \"m\"", "measure[1].name", "measure[0]"),
+            ("panel = \"p\", ", "", "measure[0].panel", "waves_along needs panel, from_m and to_m"),
+            ("\"peak_amplitude\"", "\"peak_amplitude\", to_m = [1, 1]", "measure[1].to_m", "only waves_along"),
+            ("panel = \"p\"", "panel = \"s\"", "measure[0].panel", "the panels are p, q"),
+            ("to_m = [1, 0]", "to_m = [0, 0]", "measure[0].to_m", "another end"),
+            ("from_m = [0, 0]", "from_m = [0, nan]", "measure[0].from_m", "NaN"),
+            ("published = 3", "published = inf", "measure[0].published", "inf"),
+        ] {
+            assert_eq!(SCENE.matches(from).count(), 1, "{from}");
+            let text = parse("s.toml", &SCENE.replace(from, to)).unwrap_err().to_string();
+            assert!(text.starts_with(&format!("s.toml, {field}: ")) && text.contains(says), "{from} -> {to}: {text}");
+        }
+        let none = "title = \"t\"\npanel = []\nmaterial = { young_pa = 1, poisson = 0, thickness_m = 1 }";
+        assert!(parse("s.toml", none).unwrap_err().to_string().contains("add at least one [[panel]]"));
     }
 }

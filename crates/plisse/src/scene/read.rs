@@ -125,3 +125,159 @@ fn in_words(expected: &str) -> &str {
         other => other,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::build;
+    use crate::scene::schema::Place;
+
+    const FULL: &str = r#"title = "t"
+[material]
+young_pa = 1e7
+poisson = 0.3
+thickness_m = 1e-4
+[[panel]]
+name = "p"
+shape = "rectangle"
+width_m = 1.0
+height_m = 0.5
+edge_length_m = 0.1
+place = { kind = "rolled", radius_m = 1.0 }
+[[panel]]
+name = "q"
+shape = "disk"
+radius_m = 1.0
+edge_length_m = 0.3
+[panel.place]
+kind = "flat"
+[[seam]]
+a = "p.left"
+b = "p.right"
+[[clamp]]
+side = "p.bottom"
+turn = { axis = [0.0, 0.0, 1.0], angle_deg = 10.0 }
+[[clamp]]
+side = "q.rim"
+[clamp.turn]
+axis = [0.0, 0.0, 1.0]
+angle_deg = 10.0
+[base]
+[field]
+[surface]
+[[measure]]
+name = "m"
+kind = "largest_period"
+"#;
+
+    fn message(text: &str) -> String {
+        parse("s.toml", text).unwrap_err().to_string()
+    }
+
+    /// The message after replacing the first `from`.
+    fn after(from: &str, to: &str) -> String {
+        assert!(FULL.contains(from), "{from}");
+        message(&FULL.replacen(from, to, 1))
+    }
+
+    #[test]
+    fn defaults_are_filled_in() {
+        let scene = parse("s.toml", &format!("\u{feff}{FULL}")).unwrap();
+        assert_eq!((scene.file.to_str(), scene.paper.as_str(), scene.panel[0].seed), (Some("s.toml"), "", 1));
+        assert_eq!(scene.panel[0].place, Place::Rolled { radius_m: 1.0 });
+        assert_eq!(scene.panel[1].place, Place::Flat { origin_m: [0.0; 3], x_axis: [1.0, 0.0, 0.0], y_axis: [0.0, 1.0, 0.0] });
+        assert!(!scene.seam[0].reversed && scene.surface.v2 && !scene.surface.v1);
+        assert_eq!((scene.clamp[0].axes.as_str(), scene.clamp[0].move_m), ("xyz", [0.0; 3]));
+    }
+
+    #[test]
+    fn every_required_field_is_listed_when_it_is_missing() {
+        let lines: Vec<&str> = FULL.lines().collect();
+        let (mut table, mut found) = (String::new(), 0);
+        for (n, line) in lines.iter().enumerate() {
+            if line.starts_with('[') {
+                table = line.trim_matches(['[', ']']).to_owned();
+                continue;
+            }
+            let (key, rest) = line.split_once(" = ").unwrap();
+            let required = REQUIRED.iter().find(|(t, fields)| *t == table && fields.contains(&key));
+            if required.is_some() || rest.starts_with('{') {
+                let mut fewer = lines.clone();
+                let without_first = rest.replacen("kind = \"rolled\", ", "", 1).replacen("axis = [0.0, 0.0, 1.0], ", "", 1);
+                let inline = format!("{key} = {without_first}");
+                fewer[n] = if rest.starts_with('{') { &inline } else { "" };
+                let text = message(&fewer.join("\n"));
+                let list = match (table.as_str(), key) {
+                    (_, "place") => "panel.place has no kind; it must have kind",
+                    (_, "turn") => "clamp.turn has no axis; it must have axis, angle_deg",
+                    _ => &format!("{table} has no {key}; it must have {}", required.unwrap().1.join(", "))
+                        .replace(" has no title", " the scene has no title"),
+                };
+                assert!(text.contains(list.trim_start()), "{text}\n{list}");
+                found += 1;
+            }
+        }
+        assert_eq!(found, 21);
+        assert!(after("kind = \"rolled\", radius_m = 1.0", "kind = \"rolled\"").contains("if rolled has no radius_m"));
+        let text = message("title = \"t\"\n");
+        assert!(text.contains("the scene has no material; it must have title, material, panel"), "{text}");
+    }
+
+    #[test]
+    fn unknown_names_come_with_the_allowed_ones_and_the_line() {
+        let text = after("young_pa", "young");
+        assert!(text.contains("s.toml, line 3: there is no field young here") && text.contains("young_pa, poisson, thickness_m"), "{text}");
+        let text = after("[base]", "[base]\ngravity = 9.81");
+        assert!(text.contains("compressive_stiffness, iteration_limit"), "{text}");
+        let text = after("[base]", "[wind]");
+        assert!(text.contains("no field wind") && text.contains("measure"), "{text}");
+        let text = after("\"disk\"", "\"circle\"");
+        assert!(text.contains("line 15: panel.shape cannot be \"circle\"; give one of rectangle, disk, annulus, polygon"), "{text}");
+        let text = after("\"rolled\"", "\"draped\"");
+        assert!(text.contains("line 12: panel.place cannot be \"draped\"; give one of flat, rolled"), "{text}");
+        let text = after("radius_m = 1.0 }", "radius_m = 1.0, pitch_m = 1.0 }");
+        assert!(text.contains("line 12: there is no field pitch_m here"), "{text}");
+    }
+
+    #[test]
+    fn wrong_types_and_wrong_toml_name_the_line() {
+        let text = after("1e7", "\"stiff\"");
+        assert!(text.contains("s.toml, line 3: material.young_pa is string \"stiff\"; give a number"), "{text}");
+        let text = after("[surface]", "[surface]\nlevels = -1");
+        assert!(text.contains("surface.levels is integer -1; give a whole number, 0 or more"), "{text}");
+        let text = after("axis = [0.0, 0.0, 1.0]\n", "axis = [0.0, 1.0]\n");
+        assert!(text.contains("clamp.turn.axis is of length 2; give three numbers in [ ]"), "{text}");
+        let text = after("poisson = 0.3", "poisson = = 0.3");
+        assert!(text.contains("s.toml, line 4: this is not TOML"), "{text}");
+        let text = after("poisson = 0.3", "young_pa = 0.3");
+        assert!(text.contains("line 4") && text.contains("duplicate key"), "{text}");
+        assert!(!text.contains('\n'));
+        let text = read("/nowhere/s.toml").unwrap_err().to_string();
+        assert!(text.contains("/nowhere/s.toml: reading failed"), "{text}");
+    }
+
+    #[test]
+    fn the_documents_example_runs_and_its_tables_name_every_field() {
+        let manual = include_str!("../../../../docs/scene-format.md");
+        let example = manual.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+        assert!(build(&parse("manual.toml", example).unwrap()).is_ok());
+        for (table, more) in [
+            ("", "zz = 1\n"),
+            ("material", "[material]\nzz = 1\n"),
+            ("panel", "[[panel]]\nzz = 1\n"),
+            ("seam", "[[seam]]\nzz = 1\n"),
+            ("clamp", "[[clamp]]\nzz = 1\n"),
+            ("turn", "[[clamp]]\nturn = { zz = 1 }\n"),
+            ("base", "[base]\nzz = 1\n"),
+            ("field", "[field]\nzz = 1\n"),
+            ("surface", "[surface]\nzz = 1\n"),
+            ("measure", "[[measure]]\nzz = 1\n"),
+        ] {
+            let text = message(more);
+            let names = text.split("(allowed are ").nth(1).unwrap_or_else(|| panic!("{text}")).trim_end_matches(')');
+            for name in names.split(", ") {
+                assert!(manual.contains(&format!("| `{name}` |")), "docs/scene-format.md has no row for {name} of [{table}]");
+            }
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! What a scene file may say: one struct for each of its tables, with the file's own field names.
 //!
-//! Only types and defaults are here; [`super::read`] checks what the types cannot say. Lengths are in m, angles in degrees
+//! Only types and defaults are here; [`mod@super::read`] checks what the types cannot say. Lengths are in m, angles in degrees
 //! (people write these files), as the names of the fields say.
 
 use std::path::PathBuf;
