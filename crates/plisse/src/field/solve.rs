@@ -47,7 +47,7 @@ impl Default for FieldOptions {
             terms: Terms::default(),
             relaxed_integrability: true,
             curvature_rings: 5,
-            first_wavelength_factor: 1.0,
+            first_wavelength_factor: 0.75,
             convexity: Convexity::Mirrored,
             tolerance: 1e-10,
             iteration_limit: 1000,

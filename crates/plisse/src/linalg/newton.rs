@@ -11,6 +11,9 @@ use super::sparse::SymmetricPattern;
 use crate::Result;
 use crate::progress::{Observer, Step};
 
+/// Share of the largest diagonal entry that is added after the first short step (Levenberg–Marquardt).
+const FIRST_DAMPING: f64 = 1e-8;
+
 /// An energy that [`minimise`] can minimise.
 pub trait Problem {
     /// Which unknowns its Hessian couples.
@@ -95,6 +98,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut residual = largest_projected(&x, &lower, &gradient);
     let (mut exact_wait, mut exact_failures) = (0_u32, 0_u32);
     let mut settled = false;
+    let mut damping = options.ridge;
     let mut iterations = 0;
     let ending = loop {
         if residual <= options.tolerance {
@@ -115,7 +119,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         let mut solved = false;
         if options.convexity != Convexity::Exact && settled && exact_wait == 0 {
             problem.hessian(Convexity::Exact, &mut values);
-            solved = newton_direction(&mut cholesky, &mut values, &diagonal, &held, options.ridge, &gradient, &mut direction);
+            solved = newton_direction(&mut cholesky, &mut values, &diagonal, &held, damping, &gradient, &mut direction);
             if solved {
                 exact_failures = 0;
             } else {
@@ -125,7 +129,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         } else {
             exact_wait = exact_wait.saturating_sub(1);
         }
-        let mut ridge = options.ridge;
+        let mut ridge = damping;
         while !solved {
             problem.hessian(options.convexity, &mut values);
             solved = newton_direction(&mut cholesky, &mut values, &diagonal, &held, ridge, &gradient, &mut direction);
@@ -158,6 +162,12 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                 let trial_energy = problem.energy(&trial);
                 if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
                     accepted = true;
+                    // A short step says that the model reaches too far, e.g. that a slack face would be pulled taut.
+                    if length < 0.3 {
+                        damping = (damping * 100.0).max(FIRST_DAMPING);
+                    } else if length == 1.0 {
+                        damping = (damping * 0.1).max(options.ridge);
+                    }
                     settled = energy - trial_energy < 1e-2 * energy.abs();
                     break;
                 }
