@@ -112,29 +112,32 @@ fn slack_strip() -> (Sheet, Clamps) {
     pulled_strip(-0.05)
 }
 
-/// Tension field theory has no energy for a slack sheet. A full shell has that of uniaxial stress, with the sign of λ turned: it gets
-/// broader by ν (and would buckle, but nothing pushes it from the plane).
+/// Tension field theory has no energy for a slack sheet.
+///
+/// With a share s of compressive stiffness, the sheet gets broader, by λ₂ = u, until (1−s)·Y/2·u² + s·(α/2·(λ+u)² + β(λ²+u²)) is
+/// least: at u = −sαλ/((1−s)Y + s(α+2β)). For s = 1, the full shell, that is u = −νλ (it would buckle, but nothing pushes it from
+/// the plane).
 #[test]
 fn a_slack_sheet_has_no_energy_unless_it_resists_compression() {
     let (sheet, clamps) = slack_strip();
     let lambda: f64 = 0.95 * 0.95 - 1.0;
-    let full = material().young_pa / 2.0 * material().thickness_m / 4.0 * lambda * lambda * sheet.rest.area_m2();
+    let (m, volume) = (material(), material().thickness_m / 4.0 * sheet.rest.area_m2());
+    let full = |u: f64| volume * m.norm_squared(&plisse::mesh::Mat2::new(lambda, 0.0, 0.0, u));
     let (_, slack) = base(&sheet, &clamps, &BaseOptions::default());
-    assert!(slack.energy_joule.abs() < 1e-6 * full, "{:e} of {full:e} J", slack.energy_joule);
-    for share in [0.01, 1.0] {
-        let (pose, report) = base(&sheet, &clamps, &BaseOptions { compressive_stiffness: share, ..BaseOptions::default() });
-        eprintln!("share {share}: energy {} of the closed form, {} iterations", report.energy_joule / (share * full), report.iterations);
-        if share == 1.0 {
-            assert!((report.energy_joule / full - 1.0).abs() < 1e-6);
-            let broad = (1.0 - material().poisson * lambda).sqrt();
-            assert!(sheet.pose.iter().zip(&pose).all(|(p, q)| (q - Vec3::new(0.95 * p.x, broad * p.y, 0.0)).norm() < 1e-6));
-        } else {
-            assert!(report.energy_joule > 0.1 * share * full && report.energy_joule <= share * full * (1.0 + 1e-9));
-        }
+    assert!(slack.energy_joule.abs() < 1e-6 * full(0.0), "{:e} of {:e} J", slack.energy_joule, full(0.0));
+    for s in [0.01, 0.3, 1.0] {
+        let u = -s * m.alpha() * lambda / ((1.0 - s) * m.young_pa + s * (m.alpha() + 2.0 * m.beta()));
+        let energy = (1.0 - s) * volume * m.young_pa / 2.0 * u * u + s * full(u);
+        let (pose, report) = base(&sheet, &clamps, &BaseOptions { compressive_stiffness: s, ..BaseOptions::default() });
+        eprintln!("share {s}: energy {:.1e} off, {} iterations", report.energy_joule / energy - 1.0, report.iterations);
+        assert!((report.energy_joule / energy - 1.0).abs() < 1e-8, "share {s}: {} J, not {energy}", report.energy_joule);
+        let wanted = |p: &Vec3| Vec3::new(0.95 * p.x, (1.0 + u).sqrt() * p.y, 0.0);
+        assert!(sheet.pose.iter().zip(&pose).all(|(p, q)| (q - wanted(p)).norm() < 1e-6), "share {s}");
     }
 }
 
-/// From a crumpled start, tension field theory leaves a slack sheet crumpled; a little compressive stiffness evens it out.
+/// From a crumpled start, tension field theory leaves a slack sheet crumpled where the sheet is so thin that bending is lost in the
+/// tolerance (bending smooths in-plane too, since it is quadratic in all coordinates); a little compressive stiffness evens it out.
 #[test]
 fn compressive_stiffness_evens_out_a_slack_sheet() {
     let (mut sheet, clamps) = slack_strip();
@@ -144,7 +147,8 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
     }
     let uneven = |share: f64| {
         let options = BaseOptions { compressive_stiffness: share, ..BaseOptions::default() };
-        let (pose, report) = base(&sheet, &clamps, &options);
+        let thin = Material { thickness_m: 1e-7, ..material() };
+        let (pose, report) = solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &thin, &options, &Silent).unwrap();
         let ratios = area_ratios(&sheet, &pose);
         let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
         eprintln!(

@@ -3,6 +3,10 @@
 //!
 //! That single elements are right is tested beside them; here it is how they are put together.
 
+/// The library's own comparison with differences, which it has for its tests only.
+#[path = "../src/linalg/derivative_check.rs"]
+#[allow(unreachable_pub)]
+mod derivative_check;
 mod sheets;
 
 use plisse::field::closed_forms::ClosedForms;
@@ -10,12 +14,12 @@ use plisse::field::curvature::second_forms;
 use plisse::field::density::Density;
 use plisse::field::problem::FieldProblem;
 use plisse::field::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
-use plisse::linalg::derivative_check::{gradient_error, hessian_error};
 use plisse::linalg::newton::{Convexity, Problem};
 use plisse::mesh::{Topology, Vec3};
 use plisse::rest::{RestFace, RestMetric};
 use plisse::strain::strain;
 
+use derivative_check::{gradient_error, hessian_error};
 use sheets::{Random, Sheet, mylar, twisted_ring};
 
 /// A torus of `n × m` squares, each cut in two, over a rest metric of flat squares of 1 × 1 m that the pose shortens one way.

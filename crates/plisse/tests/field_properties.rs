@@ -74,30 +74,30 @@ fn shortened_sheet() -> (Sheet, f64) {
 ///
 /// With bending it is a little less. For da = 0 and ω along the compression, only r = ½a²ω² − ε is left of the strain: eqs. 21 and
 /// 26 give the density h/4·γ·r² + h³/24·γ·a²ω⁴, γ = α/2 + β. Its derivative in a² is zero where h/4·γ·2r·½ω² + h³/24·γ·ω⁴ = 0, that
-/// is r = −h²ω²/6. So ½a²ω²/ε = 1 − h²ω²/(6ε): 5 % off at h = 1 cm, 1e-4 at 0.1 mm. This fails if stretching or bending has a wrong
-/// factor (a factor 2 in bending moves the first thickness by 0.05).
+/// is r = −h²ω²/6. So ½a²ω²/ε = 1 − h²ω²/(6ε): 2 % off at h = 3 mm, 2e-4 at 0.1 mm. This fails if stretching or bending has a wrong
+/// factor (a factor 2 in bending moves the first by 0.02, of which 0.002 are allowed).
 #[test]
 fn a_shortened_sheet_takes_up_its_strain() {
     let (sheet, epsilon) = shortened_sheet();
     let mut last_off = f64::INFINITY;
-    for (thickness_m, allowed) in [(1e-2, 0.08), (1e-3, 0.02), (1e-4, 5e-3)] {
+    for (thickness_m, allowed) in [(3e-3, 0.03), (6e-4, 0.02), (1e-4, 0.01)] {
         let solved = sheet.solve(&Material::new(1e7, 0.3, thickness_m).unwrap(), &FieldOptions::default());
         assert_eq!(solved.report.ending, Ending::Converged);
-        let (mut ratios, mut worst_from_bending) = (Vec::new(), 0.0_f64);
+        let (mut ratios, mut from_bending) = (Vec::new(), Vec::new());
         for f in inner_faces(&sheet, 0.2) {
             let w = frequency_in_rest_plane(&sheet, &solved.field, f);
             assert!((w.y / w.x).abs() < 0.03, "face {f}: crests are not along y, {w:?}");
             let ratio = 0.5 * mean_square_amplitude(&sheet.topology, &solved.field, f) * w.norm_squared() / epsilon;
             assert!((ratio - 1.0).abs() < allowed, "face {f}, h = {thickness_m}: ½a²|ω|² is {ratio} of ε");
-            worst_from_bending = worst_from_bending.max((ratio - 1.0 + (thickness_m * w.norm()).powi(2) / (6.0 * epsilon)).abs());
+            from_bending.push(ratio - 1.0 + (thickness_m * w.norm()).powi(2) / (6.0 * epsilon));
             ratios.push(ratio);
         }
         assert!(ratios.len() > 100);
-        assert!(worst_from_bending < 0.015, "h = {thickness_m}: {worst_from_bending}");
-        let (mean, _) = mean_and_spread(&ratios);
+        let ((mean, spread), (off, _)) = (mean_and_spread(&ratios), mean_and_spread(&from_bending));
+        eprintln!("h = {thickness_m}: ½a²|ω|²/ε is {mean} ± {spread:.1e}, {off:.1e} from 1 − h²ω²/6ε");
+        assert!(off.abs() < 2e-3, "h = {thickness_m}: {off}");
         assert!((mean - 1.0).abs() < 0.3 * last_off, "h = {thickness_m}: mean {mean}, no nearer than {last_off}");
         last_off = (mean - 1.0).abs();
-        eprintln!("h = {thickness_m}: mean ratio {mean}, worst from 1 − h²ω²/6ε {worst_from_bending:.1e}");
     }
     assert!(last_off < 5e-4, "{last_off}");
 }
@@ -193,6 +193,16 @@ fn rigid_motions_change_nothing() {
         moved.held = sheet.held.clone();
         assert_same(name, &plain, &moved.solve(&material, &FieldOptions::default()), 1.0, 1.0, &identity(sheet.pose.len()));
     }
+}
+
+/// Nor do they change the start, and so the road to the minimum.
+#[test]
+#[ignore = "field::initialise::first_wavelength_m takes the size of a box along the axes; take this line away once it does not"]
+fn turning_does_not_change_the_first_wavelength() {
+    let sheet = Sheet::rectangle(1.0, 0.2, 0.1, 1);
+    let turned = sheet.clone().posed(|p| Rotation3::from_euler_angles(0.0, 0.0, 0.7) * p);
+    let [plain, turned] = [&sheet, &turned].map(|s| plisse::field::initialise::first_wavelength_m(&mylar(), &s.pose, 1.0));
+    assert!((turned / plain - 1.0).abs() < 1e-12, "{turned} m, not {plain}");
 }
 
 #[test]
