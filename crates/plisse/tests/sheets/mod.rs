@@ -1,0 +1,149 @@
+//! Sheets that the tests and benches of this crate work on, and seeded randomness to shuffle them with.
+
+#![allow(dead_code)] // Each test file takes what it needs.
+
+use std::f64::consts::{PI, TAU};
+
+use plisse::field::{FieldOptions, Solved, solve};
+use plisse::material::Material;
+use plisse::mesh::panel::{Outline, Panel};
+use plisse::mesh::sew::{Seam, reversed, sew};
+use plisse::mesh::{Topology, Vec3};
+use plisse::progress::Silent;
+use plisse::rest::RestMetric;
+use plisse::shell::{BaseOptions, BaseReport, Clamps, solve_base};
+
+/// A surface, its rest metric and a pose.
+#[derive(Clone)]
+pub(crate) struct Sheet {
+    pub(crate) topology: Topology,
+    /// `[R]` rest vertices (m) and `[F][3]` rest vertices of each face.
+    pub(crate) rest_positions: Vec<Vec3>,
+    pub(crate) rest_faces: Vec<[usize; 3]>,
+    pub(crate) rest: RestMetric,
+    /// `[V]` pose (m).
+    pub(crate) pose: Vec<Vec3>,
+    /// `[V]` vertices whose amplitude is zero.
+    pub(crate) held: Vec<bool>,
+}
+
+impl Sheet {
+    pub(crate) fn new(rest_positions: Vec<Vec3>, rest_faces: Vec<[usize; 3]>, faces: Vec<[usize; 3]>, pose: Vec<Vec3>) -> Self {
+        let topology = Topology::new("sheet", pose.len(), faces).unwrap();
+        let rest = RestMetric::from_shape("sheet", &rest_positions, &rest_faces).unwrap();
+        let held = vec![false; pose.len()];
+        Self { topology, rest_positions, rest_faces, rest, pose, held }
+    }
+
+    /// A flat irregular panel at rest, in the plane z = 0.
+    pub(crate) fn flat(outline: &Outline, edge_length_m: f64, seed: u64) -> Self {
+        let panel = Panel::new("sheet", outline, edge_length_m, seed).unwrap();
+        let positions: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        Self::new(positions.clone(), panel.faces.clone(), panel.faces, positions)
+    }
+
+    pub(crate) fn rectangle(width_m: f64, height_m: f64, edge_length_m: f64, seed: u64) -> Self {
+        Self::flat(&Outline::Rectangle { width_m, height_m }, edge_length_m, seed)
+    }
+
+    /// The same sheet with every vertex of the pose moved.
+    pub(crate) fn posed(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
+        self.pose = self.pose.iter().map(|&p| map(p)).collect();
+        self
+    }
+
+    /// Solves for the field.
+    pub(crate) fn solve(&self, material: &Material, options: &FieldOptions) -> Solved {
+        solve(&self.topology, &self.rest, &self.pose, &self.held, material, options, &Silent).unwrap()
+    }
+
+    /// Middle of face `f` at rest (m).
+    pub(crate) fn middle(&self, f: usize) -> Vec3 {
+        self.rest_faces[f].iter().map(|&r| self.rest_positions[r]).sum::<Vec3>() / 3.0
+    }
+}
+
+/// A ring of which the inside is opened and the rim turned, over a low hill, with both rims held: sheared faces that wrinkle
+/// around a wrinkle-free, tense inside. Its phase gains turns around the hole (b₁ = 1).
+pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
+    let (inner, outer) = (0.3, 1.0);
+    let ring = Sheet::flat(&Outline::Annulus { inner_radius_m: inner, outer_radius_m: outer }, edge_length_m, seed);
+    let held = ring.topology.boundary_vertices();
+    let mut ring = ring.posed(|p| {
+        let (r, angle) = (p.x.hypot(p.y), p.y.atan2(p.x));
+        let t = (r - inner) / (outer - inner);
+        let (s, c) = (angle + 0.12 * t * t).sin_cos();
+        let radius = 1.02 * r + 0.02;
+        Vec3::new(radius * c, radius * s, 0.1 * (1.0 - r * r))
+    });
+    ring.held = held;
+    ring
+}
+
+/// The twisted cylinder of the paper (radius 1 m, height 5 m, irregular, sewn from one panel), its top turned by 10°: a smooth
+/// pose to start the base solve from, with the rims as clamps.
+pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
+    let panel = Panel::new("cylinder", &Outline::Rectangle { width_m: TAU, height_m: 5.0 }, edge_length_m, 7).unwrap();
+    let left = reversed(panel.side("left").unwrap());
+    let seam = Seam { a: (0, panel.side("right").unwrap()), b: (0, &left) };
+    let sewn = sew("cylinder", std::slice::from_ref(&panel), &[seam]).unwrap();
+    let rest_positions: Vec<Vec3> = sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+    let mut pose = vec![Vec3::zeros(); sewn.topology.vertex_count];
+    let mut clamps = Clamps::none(pose.len());
+    for (p, &v) in sewn.rest_positions.iter().zip(&sewn.vertex_of_rest) {
+        let (s, c) = (p.x + PI / 18.0 * p.y / 5.0).sin_cos();
+        pose[v] = Vec3::new(c, -s, p.y);
+        if p.y < 1e-9 || p.y > 5.0 - 1e-9 {
+            clamps.hold(v, pose[v]);
+        }
+    }
+    let mut sheet = Sheet::new(rest_positions, sewn.rest_faces, sewn.topology.faces, pose);
+    sheet.held = clamps.held();
+    (sheet, clamps)
+}
+
+/// [`twisted_cylinder`] after its base solve.
+pub(crate) fn twisted_cylinder_at_rest(edge_length_m: f64) -> (Sheet, BaseReport) {
+    let (mut sheet, clamps) = twisted_cylinder(edge_length_m);
+    let (pose, report) =
+        solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &mylar(), &BaseOptions::default(), &Silent).unwrap();
+    sheet.pose = pose;
+    (sheet, report)
+}
+
+/// The material of the paper's disk and cylinder.
+pub(crate) fn mylar() -> Material {
+    Material::new(1e7, 0.44, 1e-4).unwrap()
+}
+
+/// Seeded numbers (SplitMix64).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Between −1 and 1.
+    pub(crate) fn sign_unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// `0..n` in random order.
+    pub(crate) fn permutation(&mut self, n: usize) -> Vec<usize> {
+        let mut list: Vec<usize> = (0..n).collect();
+        for i in (1..n).rev() {
+            list.swap(i, (self.next() % (i as u64 + 1)) as usize);
+        }
+        list
+    }
+}
+
+/// Edge length (m) with which [`twisted_cylinder`] has about this many vertices.
+pub(crate) fn edge_length_for(vertices: usize) -> f64 {
+    (TAU * 5.0 / (0.85 * vertices as f64)).sqrt()
+}
