@@ -20,6 +20,8 @@ pub struct ClosedForms {
     pub on_edge: Vec<Vec<(usize, i32)>>,
     /// `[b₁]` length of each generator's loop: how many edges it has.
     pub loop_lengths: Vec<usize>,
+    /// `[E]` whether each edge belongs to a wrinkled face.
+    pub wrinkled_edge: Vec<bool>,
     /// `[V]` connected component of each vertex, counted from 0; [`NONE`] for vertices of no wrinkled face.
     pub component: Vec<usize>,
     /// `[components]` the lowest vertex of each component.
@@ -39,12 +41,12 @@ impl ClosedForms {
                 (true, true) => [NONE, NONE],
             })
             .collect();
-        let wrinkled_edge = |e: usize| edge_faces[e][0] != NONE;
+        let wrinkled_edge: Vec<bool> = edge_faces.iter().map(|faces| faces[0] != NONE).collect();
 
         // Spanning forest of the vertices, breadth first.
         let mut around: Vec<Vec<(usize, usize)>> = vec![Vec::new(); topology.vertex_count];
         for (e, &[i, j]) in topology.edges.iter().enumerate() {
-            if wrinkled_edge(e) {
+            if wrinkled_edge[e] {
                 around[i].push((j, e));
                 around[j].push((i, e));
             }
@@ -115,7 +117,7 @@ impl ClosedForms {
 
         let mut generators = Vec::new();
         let mut loop_lengths = Vec::new();
-        for e in (0..topology.edge_count()).filter(|&e| wrinkled_edge(e) && !in_tree[e] && !in_face_tree[e]) {
+        for e in (0..topology.edge_count()).filter(|&e| wrinkled_edge[e] && !in_tree[e] && !in_face_tree[e]) {
             generators.push(extend(topology, &edge_faces, &parent_edge, &order, e));
             let [mut i, mut j] = topology.edges[e];
             let mut length = 1;
@@ -134,7 +136,7 @@ impl ClosedForms {
                 on_edge[e].push((k, value));
             }
         }
-        Self { generators, on_edge, loop_lengths, component, roots }
+        Self { generators, on_edge, loop_lengths, wrinkled_edge, component, roots }
     }
 
     /// Σₖ cₖHₖ on edge `e`, from lower to higher vertex.

@@ -64,9 +64,6 @@ pub fn one_form(topology: &Topology, forms: &ClosedForms, phases: &[f64], coeffi
         .edges
         .iter()
         .enumerate()
-        .map(|(e, &[i, j])| {
-            let wrinkled = forms.component[i] != NONE && forms.component[i] == forms.component[j];
-            if wrinkled { phases[j] - phases[i] + forms.on(e, coefficients) } else { 0.0 }
-        })
+        .map(|(e, &[i, j])| if forms.wrinkled_edge[e] { phases[j] - phases[i] + forms.on(e, coefficients) } else { 0.0 })
         .collect()
 }

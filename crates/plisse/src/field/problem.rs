@@ -145,6 +145,35 @@ impl<'a> FieldProblem<'a> {
         x
     }
 
+    /// Trades amplitude for frequency all over, a → ka and ω → ω/k, so that the energy is least: the compression that is taken up
+    /// stays the same (eq. 8), while bending and curvature find their balance. A field starts in the right valley then.
+    pub fn rescale(&mut self, x: &mut [f64]) {
+        let mut trial = x.to_vec();
+        let mut energy = |log_k: f64| {
+            let k = log_k.exp2();
+            for i in 0..x.len() {
+                trial[i] = if i < self.amplitude_count { x[i] * k } else { x[i] / k };
+            }
+            self.energy(&trial)
+        };
+        let coarse = (-16..=16).map(|n| f64::from(n) * 0.5).map(|log_k| (log_k, energy(log_k)));
+        let (mut best, mut least) = coarse.fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        let mut step = 0.25;
+        while step > 0.01 {
+            for candidate in [best - step, best + step] {
+                let value = energy(candidate);
+                if value < least {
+                    (best, least) = (candidate, value);
+                }
+            }
+            step *= 0.5;
+        }
+        let k = best.exp2();
+        for (i, x) in x.iter_mut().enumerate() {
+            *x *= if i < self.amplitude_count { k } else { 1.0 / k };
+        }
+    }
+
     /// Amplitudes (`[V]`, m; zero where there is no unknown).
     pub fn amplitudes_m(&self, x: &[f64]) -> Vec<f64> {
         self.amplitude_unknown.iter().map(|&i| if i == NONE { 0.0 } else { x[i] * self.amplitude_unit_m }).collect()

@@ -142,7 +142,8 @@ pub fn solve(
     let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, wavelength_m)?;
     let (amplitude_unit_m, energy_unit_joule) = units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
     let mut problem = FieldProblem::new(topology, &forms, &wrinkle_free, &still, &densities, amplitude_unit_m, energy_unit_joule);
-    let start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
+    let mut start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
+    problem.rescale(&mut start);
     let newton = Options {
         stage: "field",
         iteration_limit: options.iteration_limit,
