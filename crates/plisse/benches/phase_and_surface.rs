@@ -1,4 +1,5 @@
-//! Time of what follows the field solve on twisted cylinders: rounding periods to whole turns, and one step of subdivision.
+//! Time of what follows the field solve on twisted cylinders: rounding periods to whole turns, one step of subdivision, and the
+//! whole fine surface.
 //!
 //! The numbers are vertices, about. The faces take a uniform frequency around the cylinder: rounding's cost does not depend on it.
 
@@ -7,8 +8,11 @@ mod sheets;
 
 use plisse::field::closed_forms::ClosedForms;
 use plisse::field::closest_closed_form::ClosestClosedForm;
+use plisse::field::{FieldOptions, solve};
 use plisse::mesh::Vec2;
 use plisse::mesh::subdivide::refine;
+use plisse::progress::Silent;
+use plisse::surface::{Displacement, displace, upsample};
 
 fn main() {
     divan::main();
@@ -39,7 +43,19 @@ fn closed_forms(bencher: divan::Bencher, vertices: usize) {
 fn subdivide(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     bencher.bench_local(|| {
-        let refinement = refine(&sheet.topology, &[]);
+        let refinement = refine(&sheet.topology, &[], &[]);
         refinement.apply(&sheet.pose)
+    });
+}
+
+/// Three levels of subdivision of base, amplitude and phase, and the displacement.
+#[divan::bench(args = [300, 1000, 3000])]
+fn surface(bencher: divan::Bencher, vertices: usize) {
+    let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
+    let options = FieldOptions::default();
+    let field = solve(&sheet.topology, &sheet.rest, &sheet.pose, &sheet.held, &sheets::mylar(), &options, &Silent).unwrap().field;
+    bencher.bench_local(|| {
+        let fine = upsample(&sheet.topology, &sheet.pose, &field, &sheet.rest_positions, &sheet.rest_faces, 3);
+        displace(&fine, &Displacement { v2: true, v1: None })
     });
 }

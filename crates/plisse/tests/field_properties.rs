@@ -197,7 +197,6 @@ fn rigid_motions_change_nothing() {
 
 /// Nor do they change the start, and so the road to the minimum.
 #[test]
-#[ignore = "field::initialise::first_wavelength_m takes the size of a box along the axes; take this line away once it does not"]
 fn turning_does_not_change_the_first_wavelength() {
     let sheet = Sheet::rectangle(1.0, 0.2, 0.1, 1);
     let turned = sheet.clone().posed(|p| Rotation3::from_euler_angles(0.0, 0.0, 0.7) * p);
@@ -361,7 +360,6 @@ fn fields_are_closed_and_phases_meet() {
 
 /// An edge between two wrinkle-free faces has no frequency, even if both of its ends touch wrinkled faces.
 #[test]
-#[ignore = "field::phase_unknowns::one_form gives such edges φⱼ − φᵢ; take this line away once it looks at the edge's faces"]
 fn edges_of_no_wrinkled_face_have_no_frequency() {
     let sheet = twisted_ring(0.15, 4);
     let field = sheet.solve(&ring_material(), &FieldOptions::default()).field;

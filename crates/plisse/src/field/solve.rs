@@ -49,7 +49,7 @@ impl Default for FieldOptions {
             curvature_rings: 5,
             first_wavelength_factor: 0.75,
             convexity: Convexity::Mirrored,
-            tolerance: 1e-10,
+            tolerance: 1e-12,
             iteration_limit: 1000,
         }
     }

@@ -1,7 +1,6 @@
-//! Subjects by formula, and pictures of them to look at: `cargo nextest run -p plisse picture::gallery --run-ignored all`
-//! writes `picture-*.png` to the temporary folder.
+//! Subjects by formula, for the tests of pictures.
 
-use super::{Axis, Camera, Image, Paint, PanelView, Subject, draw, write_png};
+use super::{Axis, Camera, Image, Paint, PanelView, Subject, draw};
 use crate::mesh::Vec3;
 use std::f64::consts::TAU;
 
@@ -81,74 +80,4 @@ pub(super) fn cylinder(fine: (usize, usize), size: (usize, usize)) -> Image {
         |p| Camera::automatic(p, Axis::Z),
         size,
     )
-}
-
-pub(super) fn sheet(size: (usize, usize)) -> Image {
-    four(
-        (20, 8),
-        (400, 160),
-        |u, v, w| Vec3::new(0.25 * u, 0.1 * v, w),
-        |u, v| (0.4e-3 * (TAU / 2.0 * u).sin() * (TAU / 2.0 * v).sin().sqrt() - 0.04e-3).max(0.0),
-        |_, v| 5.0 * TAU * v,
-        |p| Camera::automatic(p, Axis::Z),
-        size,
-    )
-}
-
-fn half_sphere(size: (usize, usize)) -> Image {
-    four(
-        (40, 20),
-        (1000, 350),
-        |u, v, w| {
-            let (angle, height) = (TAU * u, 0.25 * TAU * (0.02 + 0.98 * v));
-            Vec3::new(angle.cos() * height.cos(), height.sin(), -angle.sin() * height.cos()) * (0.15 + w)
-        },
-        |_, v| (2e-3 * (1.0 - v / 0.7)).max(0.0),
-        |u, v| 30.0 * TAU * u + 8.0 * v,
-        |p| Camera::automatic(p, Axis::Y),
-        size,
-    )
-}
-
-fn ribbon(size: (usize, usize)) -> Image {
-    four(
-        (60, 4),
-        (1200, 60),
-        |u, v, w| Vec3::new(1.5 * u, 0.1 * v + 0.02 * (TAU * u).sin(), w),
-        |u, v| 1e-3 * (2.0 * u).min(1.0) * (1.0 - v),
-        |u, v| 30.0 * TAU * u + 3.0 * v,
-        |p| Camera::automatic(p, Axis::Z),
-        size,
-    )
-}
-
-fn save(name: &str, image: &Image) {
-    let mut file = std::fs::File::create(std::env::temp_dir().join(format!("picture-{name}.png"))).unwrap();
-    write_png(image, &mut file).unwrap();
-}
-
-#[test]
-#[ignore = "writes pictures to look at"]
-fn save_cylinder() {
-    save("cylinder", &cylinder((920, 380), (1600, 1200)));
-}
-
-#[test]
-#[ignore = "writes pictures to look at"]
-fn save_sheet() {
-    save("sheet", &sheet((1600, 1200)));
-}
-
-#[test]
-#[ignore = "writes pictures to look at"]
-fn save_half_sphere() {
-    save("half-sphere", &half_sphere((1600, 1200)));
-}
-
-#[test]
-#[ignore = "writes pictures to look at"]
-fn save_ribbon() {
-    save("ribbon", &ribbon((1600, 1200)));
-    save("small", &ribbon((640, 480)));
-    save("large", &sheet((3200, 2400)));
 }
