@@ -82,11 +82,23 @@ pub(crate) struct WrinkleArguments {
     /// Vertices without wrinkles: one index (from 0) a line, or lines `index x y z`
     #[arg(long, value_name = "FILE")]
     pub(crate) clamp: Option<PathBuf>,
+    /// Which axis of the meshes points up, for the picture and for wrinkled.glb
+    #[arg(long, value_enum, default_value_t = Up::Y)]
+    pub(crate) up: Up,
     /// How wrinkle-free faces are found
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
     pub(crate) wrinkle_free: Rule,
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+}
+
+/// Names of the axes that can point up.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum Up {
+    /// As most programs export OBJ, and as glTF has it
+    Y,
+    /// As scene files have it
+    Z,
 }
 
 /// Names of the rules for wrinkle-free faces.

@@ -9,6 +9,8 @@ use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw};
 use plisse::surface::Upsampled;
 
+use crate::arguments::Up;
+
 /// Colour of the wrinkled surface in files (linear RGBA) and in pictures (sRGB).
 const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
 const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
@@ -54,17 +56,26 @@ pub(crate) fn write_meshes(
     fine: &Upsampled,
     wrinkled: &[Vec3],
     texture: Option<&Texture>,
+    up: Up,
 ) -> Result<()> {
     folder.write("base.obj", |out| obj::write(out, pose, &topology.faces, texture.map(|t| (&t.coarse.0[..], &t.coarse.1[..]))))?;
     let fine_texture = texture.map(|t| (&t.fine.0[..], &t.fine.1[..]));
     folder.write("wrinkled.obj", |out| obj::write(out, wrinkled, &fine.topology.faces, fine_texture))?;
     let normals = vertex_normals(&fine.topology, wrinkled);
+    let axis = match up {
+        Up::Y => glb::UpAxis::Y,
+        Up::Z => glb::UpAxis::Z,
+    };
     let mesh = glb::Mesh { positions: wrinkled, normals: &normals, faces: &fine.topology.faces, texture: fine_texture };
-    folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, glb::UpAxis::Z))
+    folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, axis))
 }
 
 /// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
-pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrinkled: &[Vec3], amplitude_max_m: f64) -> Image {
+pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrinkled: &[Vec3], amplitude_max_m: f64, up: Up) -> Image {
+    let axis = match up {
+        Up::Y => Axis::Y,
+        Up::Z => Axis::Z,
+    };
     let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
     let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
     let phase: Vec<[f64; 3]> =
@@ -87,5 +98,5 @@ pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrin
             paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
         },
     ];
-    draw(&panels, &Camera::automatic(pose, Axis::Z), PICTURE_SIZE)
+    draw(&panels, &Camera::automatic(pose, axis), PICTURE_SIZE)
 }

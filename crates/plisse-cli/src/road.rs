@@ -15,7 +15,7 @@ use plisse::surface::{Displacement, displace, suggest_levels, upsample};
 use plisse::{Error, Result};
 
 use crate::Done;
-use crate::arguments::OutputArguments;
+use crate::arguments::{OutputArguments, Up};
 use crate::outputs::{self, Texture};
 use crate::progress::Bars;
 use crate::report::{BaseSummary, Report, SurfaceSummary};
@@ -39,6 +39,7 @@ pub(crate) struct Posed<'a> {
     pub(crate) levels: Option<usize>,
     pub(crate) v1: bool,
     pub(crate) v2: bool,
+    pub(crate) up: Up,
     pub(crate) base: Option<&'a BaseReport>,
     pub(crate) notes: Vec<String>,
 }
@@ -117,12 +118,12 @@ pub(crate) fn finish(
 
     if !arguments.no_picture {
         let spinner = bars.spinner("picture");
-        let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max);
+        let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max, posed.up);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
         drop(spinner);
     }
     let spinner = bars.spinner("files");
-    outputs::write_meshes(&mut folder, topology, posed.pose, &fine, &wrinkled, texture.as_ref())?;
+    outputs::write_meshes(&mut folder, topology, posed.pose, &fine, &wrinkled, texture.as_ref(), posed.up)?;
     folder.write("field.json", |out| plisse::field::json::write(out, topology, field))?;
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {

@@ -9,7 +9,7 @@ use plisse::scene;
 use plisse::shell::{BaseReport, solve_base};
 
 use crate::Done;
-use crate::arguments::SolveArguments;
+use crate::arguments::{SolveArguments, Up};
 use crate::outputs::panel_texture;
 use crate::progress::Bars;
 use crate::road::{Posed, finish, leave_out, open_output, with_threads};
@@ -37,6 +37,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             levels: built.levels,
             v1: built.v1,
             v2: built.v2,
+            up: Up::Z,
             base: Some(&base),
             notes: base_notes(&base),
         };

@@ -77,6 +77,7 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
             levels: None,
             v1: false,
             v2: true,
+            up: arguments.up,
             base: None,
             notes,
         };

@@ -189,7 +189,8 @@ pub fn solve(
     let report = FieldReport {
         iterations: outcome.iterations,
         ending: outcome.ending,
-        energy_joule: outcome.energy * energy_unit_joule,
+        // The sum over no faces is −0.
+        energy_joule: outcome.energy * energy_unit_joule + 0.0,
         energy_terms: sum,
         wrinkle_free_energy_joule,
         projected_gradient,
