@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
 use plisse::io::{clamp_file, obj};
+use plisse::linalg::small::Convexity;
 use plisse::material::Material;
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Silent;
@@ -32,6 +33,7 @@ fn main() -> Result<(), plisse::Error> {
     twisted_cylinder()?;
     stretched_sheet()?;
     sheared_rectangle()?;
+    treatments()?;
     ablation()
 }
 
@@ -170,6 +172,26 @@ fn sheared_rectangle() -> Result<(), plisse::Error> {
             run.solved.report.iterations,
             run.field_seconds
         );
+    }
+    println!();
+    Ok(())
+}
+
+fn treatments() -> Result<(), plisse::Error> {
+    println!("## Which minimum is found\n");
+    println!("The energy has many minima. While the Hessian is indefinite, negative eigenvalues of element Hessians are mirrored");
+    println!("(the default) or clamped to zero; energies are of the field (J), lower is better.\n");
+    println!("| scene | mirrored: energy, iterations | clamped: energy, iterations |");
+    println!("|---|---|---|");
+    for name in ["01-twisted-cylinder", "02-stretched-sheet", "03-sheared-rectangle"] {
+        let mut built = scene::build(&scene::read(format!("examples/{name}.toml"))?)?;
+        let mut cells = Vec::new();
+        for convexity in [Convexity::Mirrored, Convexity::Clamped] {
+            built.field.convexity = convexity;
+            let report = run_built(&built)?.solved.report;
+            cells.push(format!("{:.7e}, {}", report.energy_joule, report.iterations));
+        }
+        println!("| {name} | {} |", cells.join(" | "));
     }
     println!();
     Ok(())

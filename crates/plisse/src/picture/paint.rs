@@ -183,7 +183,7 @@ fn lit(normal: Normal, material: Light) -> Light {
     let key = dot(normal, KEY).max(0.0);
     let fill = dot(normal, FILL).max(0.0);
     let around = 0.5 + 0.5 * normal[1];
-    let diffuse = 0.10 + 0.10 * around + 0.95 * key + 0.16 * fill;
+    let diffuse = 0.10 + 0.10 * around + 0.90 * key + 0.30 * fill;
     let gloss = 0.10 * dot(normal, GLOSS).max(0.0).powi(40);
     material.map(|m| m * diffuse + gloss)
 }

@@ -1,7 +1,7 @@
 //! Makes shallow wrinkles visible by light alone: normals lean further from their blurred neighbourhood, as in
 //! [Cignoni 2005] "A simple normal enhancement technique". Shape and silhouette stay exact.
 //!
-//! The factor is one number per picture, measured: 1 where slopes already read well, five at most, so a surface without
+//! The factor is one number per picture, measured: 1 where slopes already read well, eight at most, so a surface without
 //! wrinkles stays plain. Strong slopes (folds, silhouettes, one part in front of another) are left alone, which avoids halos.
 
 use super::paint::{Normal, unit};
@@ -10,17 +10,17 @@ use super::raster::{NOTHING, Seen};
 /// Samples in a cell, across and down.
 const CELL: usize = 8;
 /// Root mean square of the slope that reads well.
-const WANTED_SLOPE: f64 = 0.2;
+const WANTED_SLOPE: f64 = 0.35;
 /// The largest factor.
-const MOST: f64 = 5.0;
+const MOST: f64 = 8.0;
 /// Lean from the neighbourhood from which on a normal is part of the shape, not of the relief.
-const STRONG: f64 = 0.35;
+const STRONG: f64 = 0.6;
 /// Width of the neighbourhood, as a part of the subject's diagonal in the view.
 const REACH: f64 = 0.07;
 
 /// The blurred normals of a view, and the factor.
 pub(super) struct Relief {
-    /// By how much slopes are steepened, 1 to 5.
+    /// By how much slopes are steepened, 1 to 8.
     pub(super) gain: f32,
     columns: usize,
     /// Mean normal around each cell; zero where nothing is near.
