@@ -15,21 +15,41 @@ pub struct Material {
 }
 
 impl Material {
-    /// A checked material.
+    /// A checked material: 1e-3 Pa ≤ Y ≤ 1e15 Pa, −1 < ν ≤ 0.5, 1e-9 m ≤ h ≤ 10 m, wide of any cloth or film.
     ///
     /// # Errors
     /// [`Error::Value`] if a constant is not finite or out of its range.
     pub fn new(young_pa: f64, poisson: f64, thickness_m: f64) -> Result<Self> {
-        if !(young_pa.is_finite() && young_pa > 0.0) {
-            return Err(Error::value("young", format!("Young's modulus is {young_pa} Pa; give a number above 0")));
+        if !(1e-3..=1e15).contains(&young_pa) {
+            let message =
+                format!("Young's modulus is {young_pa} Pa; give a number above 0, from 1e-3 to 1e15 (1e5 for cloth, 1e9 for plastic)");
+            return Err(Error::value("young", message));
         }
         if !(poisson > -1.0 && poisson <= 0.5) {
             return Err(Error::value("poisson", format!("Poisson's ratio is {poisson}; give a number above -1 and at most 0.5")));
         }
-        if !(thickness_m.is_finite() && thickness_m > 0.0) {
-            return Err(Error::value("thickness", format!("the thickness is {thickness_m} m; give a number above 0")));
+        if !(1e-9..=10.0).contains(&thickness_m) {
+            let message =
+                format!("the thickness is {thickness_m} m; give a number above 0, from 1e-9 to 10 (1e-4 is a tenth of a millimetre)");
+            return Err(Error::value("thickness", message));
         }
         Ok(Self { young_pa, poisson, thickness_m })
+    }
+
+    /// Holds the thickness against a surface of `area_m2` (m²).
+    ///
+    /// # Errors
+    /// [`Error::Value`] if the surface is no thin sheet: thicker than a square of its area is wide.
+    pub fn check_thin(&self, area_m2: f64) -> Result<()> {
+        let width = area_m2.sqrt();
+        if self.thickness_m > width {
+            let message = format!(
+                "a sheet {} m thick is thicker than the surface is wide ({width:.3e} m); are all lengths in metres?",
+                self.thickness_m
+            );
+            return Err(Error::value("thickness", message));
+        }
+        Ok(())
     }
 
     /// First Lamé constant for plane stress, α = Yν/(1−ν²) (Pa); eq. 33 of [Chen 2021].
@@ -65,9 +85,19 @@ mod tests {
 
     #[test]
     fn absurd_constants_are_refused() {
-        for (y, n, h) in [(0.0, 0.3, 1.0), (f64::NAN, 0.3, 1.0), (1.0, 0.51, 1.0), (1.0, -1.0, 1.0), (1.0, f64::NAN, 1.0), (1.0, 0.3, -1.0)]
-        {
+        for (y, n, h) in [
+            (0.0, 0.3, 1.0),
+            (f64::NAN, 0.3, 1.0),
+            (1.0, 0.51, 1.0),
+            (1.0, -1.0, 1.0),
+            (1.0, f64::NAN, 1.0),
+            (1.0, 0.3, -1.0),
+            (1e308, 0.3, 1.0),
+            (1.0, 0.3, 1e-200),
+        ] {
             assert!(Material::new(y, n, h).is_err(), "{y} {n} {h}");
         }
+        let thick = Material::new(1e6, 0.3, 0.5).unwrap();
+        assert!(thick.check_thin(1.0).is_ok() && thick.check_thin(0.2).is_err());
     }
 }

@@ -103,7 +103,7 @@ pub struct Solved {
 /// The wrinkle field of least energy over a pose (`[V]`, m), with zero amplitude at the `held` vertices (`[V]`; clamped ones).
 ///
 /// # Errors
-/// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex; [`Error::Numeric`] if the energy is not
+/// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex, or the sheet is not thin; [`Error::Numeric`] if the energy is not
 /// finite (absurd material or pose).
 pub fn solve(
     topology: &Topology,
@@ -120,6 +120,7 @@ pub fn solve(
             format!("give one position and one clamp flag for each of the {} vertices", topology.vertex_count),
         ));
     }
+    material.check_thin(rest.area_m2())?;
     let begun = Instant::now();
     let strain = strain(topology, rest, positions);
     let wrinkle_free = if options.relaxed_integrability {

@@ -85,7 +85,7 @@ pub struct BaseReport {
 /// `start` is first deformed smoothly so that it meets the clamps.
 ///
 /// # Errors
-/// [`Error::Value`] if no clamp holds the surface; [`Error::Numeric`] if the energy is not finite.
+/// [`Error::Value`] if no clamp holds the surface, or the sheet is not thin; [`Error::Numeric`] if the energy is not finite.
 pub fn solve_base(
     topology: &Topology,
     rest: &RestMetric,
@@ -96,6 +96,7 @@ pub fn solve_base(
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, BaseReport)> {
     let begun = Instant::now();
+    material.check_thin(rest.area_m2())?;
     for axis in 0..3 {
         if clamps.targets.iter().all(|t| t[axis].is_none()) {
             let name = ["x", "y", "z"][axis];
