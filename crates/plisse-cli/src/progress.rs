@@ -2,9 +2,9 @@
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use plisse::progress::{Observer, Step};
 
 /// A bar per step of the road, with energy, residual and an estimate of the time left.
@@ -16,6 +16,9 @@ pub(crate) struct Bars<'a> {
 struct Current {
     stage: &'static str,
     first_residual: f64,
+    begun: Instant,
+    /// Part that was done at best, 0 to 1: a residual may rise on its way down, the bar does not go back.
+    done: f64,
     bar: ProgressBar,
 }
 
@@ -51,19 +54,31 @@ impl Observer for Bars<'_> {
             if let Some(old) = current.take() {
                 old.bar.finish_and_clear();
             }
-            let style = ProgressStyle::with_template("{prefix:>8} {bar:30} {msg}, {eta} left").expect("the template is right");
+            let style = ProgressStyle::with_template("{prefix:>8} {bar:30} {msg}").expect("the template is right");
             let bar = ProgressBar::new(PARTS).with_style(style).with_prefix(step.stage);
-            *current = Some(Current { stage: step.stage, first_residual: step.residual.max(step.tolerance), bar });
+            *current = Some(Current {
+                stage: step.stage,
+                first_residual: step.residual.max(step.tolerance),
+                begun: Instant::now(),
+                done: 0.0,
+                bar,
+            });
         }
-        if let Some(current) = current.as_ref() {
+        if let Some(current) = current.as_mut() {
             // Residuals fall by orders of magnitude: the bar shows how many are done.
             let whole = (current.first_residual / step.tolerance).ln().max(1e-9);
             let done = (current.first_residual / step.residual.max(step.tolerance)).ln() / whole;
             let by_count = step.iteration as f64 / step.limit.max(1) as f64;
-            current.bar.set_position((done.max(by_count).clamp(0.0, 1.0) * PARTS as f64) as u64);
+            current.done = current.done.max(done).max(by_count).clamp(1e-3, 1.0);
+            let left = current.begun.elapsed().as_secs_f64() * (1.0 / current.done - 1.0);
+            current.bar.set_position((current.done * PARTS as f64) as u64);
             current.bar.set_message(format!(
-                "iteration {}, energy {:.6e} J, residual {:.1e} (until {:.0e})",
-                step.iteration, step.energy_joule, step.residual, step.tolerance
+                "iteration {}, energy {:.6e} J, residual {:.1e} (until {:.0e}), about {} left",
+                step.iteration,
+                step.energy_joule,
+                step.residual,
+                step.tolerance,
+                HumanDuration(Duration::from_secs_f64(left.ceil()))
             ));
         }
     }

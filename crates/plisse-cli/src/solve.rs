@@ -51,7 +51,7 @@ fn base_notes(base: &BaseReport) -> Vec<String> {
     for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")] {
         if let Some(first) = faces.first() {
             notes.push(format!(
-                "the base surface has {} {what} face(s), the first is face {first}; set base.compressive_stiffness to a little, e.g. 1e-3",
+                "the base surface has {} {what} face(s), the first is face {first}; give base.compressive_stiffness a little (1e-3) or more of it",
                 faces.len()
             ));
         }
