@@ -250,7 +250,8 @@ fn the_same_scene_gives_the_same_bytes_with_any_number_of_threads_and_in_a_used_
     solve(&scene, &two, &["--threads", "2", "--levels", "1"]);
     assert!(bytes(&one) == bytes(&two), "1 and 2 threads differ");
     assert_eq!(figures(&one), figures(&two));
-    solve(&scene, &two, &["--threads", "2", "--levels", "1"]);
+    // Without a picture, because that is most of the time; the last one stays.
+    solve(&scene, &two, &["--threads", "2", "--levels", "1", "--no-picture"]);
     assert!(bytes(&one) == bytes(&two), "two runs differ");
 }
 

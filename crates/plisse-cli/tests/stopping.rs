@@ -102,7 +102,7 @@ fn ctrl_c_in_the_base_solve_keeps_the_best_state() {
     let scene = long_scene(&folder);
     for (n, wait) in [0, 1500].into_iter().enumerate() {
         let out = folder.0.join(format!("out-{n}"));
-        let mut run = Run::solve(&scene, &out, &["--levels", "1"]);
+        let mut run = Run::solve(&scene, &out, &["--levels", "0"]);
         run.wait_until("output folder", || out.exists());
         std::thread::sleep(Duration::from_millis(wait));
         run.signal("INT");
@@ -163,7 +163,7 @@ fn a_second_ctrl_c_ends_at_once() {
     let folder = Folder::new("int-twice");
     let scene = long_scene(&folder);
     let out = folder.0.join("out");
-    // A picture and six levels' files take long after the first.
+    // Drawing and writing four levels takes long after the first.
     let mut run = Run::solve(&scene, &out, &["--levels", "4"]);
     run.wait_until("output folder", || out.exists());
     run.signal("INT");
@@ -206,14 +206,14 @@ fn a_run_killed_while_it_writes_leaves_parts_that_the_next_run_removes() {
     let out = folder.0.join("out");
     solve(&short, &out, &["--levels", "0"]);
     let before = contents(&out);
-    let mut run = Run::solve(&example(CYLINDER), &out, &["--levels", "4"]);
+    let mut run = Run::solve(&example(CYLINDER), &out, &["--levels", "4", "--no-picture"]);
     run.wait_until("part of wrinkled.obj", || names(&out).iter().any(|n| n.starts_with(".wrinkled.obj.")));
     run.signal("KILL");
     assert_eq!(run.end(PATIENCE).0, None);
     let (parts, whole): (Vec<_>, Vec<_>) = contents(&out).into_iter().partition(|(name, _)| name.starts_with('.'));
     assert!(whole == before, "{:?}", names(&out));
     assert!(parts.iter().any(|(name, _)| name.starts_with(".wrinkled.obj.") && name.ends_with(".part")), "{:?}", names(&out));
-    solve(&example(CYLINDER), &out, &["--levels", "0"]);
+    solve(&example(CYLINDER), &out, &["--levels", "0", "--no-picture"]);
     assert_eq!(names(&out), FILES, "the parts are gone");
     assert_eq!(whole_report(&out)["vertices"], 683);
 }
