@@ -129,7 +129,6 @@ fn the_cylinders_waves_hardly_depend_on_the_mesh() {
         solve(&scene, &out, &["--levels", "0", "--no-picture"]);
         let report = json(&out.join("report.json"));
         let (waves, count) = (report["periods"][0].as_i64().unwrap(), report["vertices"].as_f64().unwrap());
-        println!("{count} vertices: {waves} waves");
         assert!((count / f64::from(vertices) - 1.0).abs() < 0.05, "{count} vertices, not about {vertices}");
         assert!((waves - 46).abs() <= off, "{count} vertices: {waves} waves");
     }

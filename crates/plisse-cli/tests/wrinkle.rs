@@ -23,8 +23,8 @@ fn wrinkle(rest: &Path, pose: &Path, out: &Path, more: &[&str]) -> Output {
 fn every_file_is_written_and_the_report_is_whole() {
     let folder = Folder::new("files");
     for quads in [false, true] {
-        let rest = folder.write("rest.obj", &sheet(10, 1.0, quads));
-        let pose = folder.write("pose.obj", &sheet(10, 0.97, quads));
+        let rest = folder.write("rest.obj", sheet(10, 1.0, quads));
+        let pose = folder.write("pose.obj", sheet(10, 0.97, quads));
         let out = folder.0.join(format!("out-{quads}"));
         let output = wrinkle(&rest, &pose, &out, &["--levels", "1"]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -56,8 +56,8 @@ fn every_file_is_written_and_the_report_is_whole() {
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
     let folder = Folder::new("threads");
-    let rest = folder.write("rest.obj", &sheet(12, 1.0, false));
-    let pose = folder.write("pose.obj", &sheet(12, 0.95, false));
+    let rest = folder.write("rest.obj", sheet(12, 1.0, false));
+    let pose = folder.write("pose.obj", sheet(12, 0.95, false));
     let files: Vec<Vec<Vec<u8>>> = ["1", "2"]
         .iter()
         .map(|threads| {
@@ -75,8 +75,8 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn bad_files_are_told_with_the_place_and_the_mend() {
     let folder = Folder::new("bad");
-    let rest = folder.write("rest.obj", &sheet(3, 1.0, false));
-    let pose = folder.write("pose.obj", &sheet(3, 0.9, false));
+    let rest = folder.write("rest.obj", sheet(3, 1.0, false));
+    let pose = folder.write("pose.obj", sheet(3, 0.9, false));
     let out = folder.0.join("out");
     let bad_rest = |name: &str, text: &str, needles: &[&str]| {
         let bad = folder.write(name, text);
@@ -121,8 +121,8 @@ fn sheet_shifted(n: usize) -> String {
 #[test]
 fn bad_flags_are_told() {
     let folder = Folder::new("flags");
-    let rest = folder.write("rest.obj", &sheet(3, 1.0, false));
-    let pose = folder.write("pose.obj", &sheet(3, 0.9, false));
+    let rest = folder.write("rest.obj", sheet(3, 1.0, false));
+    let pose = folder.write("pose.obj", sheet(3, 0.9, false));
     let out = folder.0.join("out");
     for (flags, needles) in [
         (&["--poisson", "0.6"][..], &["poisson", "0.6", "0.5"][..]),
@@ -136,7 +136,7 @@ fn bad_flags_are_told() {
         assert_refused(&output, &out, needles);
     }
     // Two faces stay under the limit even after all levels that can be asked for.
-    let (rest, pose) = (folder.write("rest-2.obj", &sheet(1, 1.0, false)), folder.write("pose-2.obj", &sheet(1, 0.9, false)));
+    let (rest, pose) = (folder.write("rest-2.obj", sheet(1, 1.0, false)), folder.write("pose-2.obj", sheet(1, 0.9, false)));
     assert!(wrinkle(&rest, &pose, &out, &["--levels", "8", "--no-picture"]).status.success());
     std::fs::remove_dir_all(&out).unwrap();
     let clamp = folder.write("clamp.txt", "0\n1\n99\n");
@@ -147,8 +147,8 @@ fn bad_flags_are_told() {
 #[test]
 fn an_output_folder_that_cannot_be_written_is_told_before_any_work() {
     let folder = Folder::new("unwritable");
-    let rest = folder.write("rest.obj", &sheet(3, 1.0, false));
-    let pose = folder.write("pose.obj", &sheet(3, 0.9, false));
+    let rest = folder.write("rest.obj", sheet(3, 1.0, false));
+    let pose = folder.write("pose.obj", sheet(3, 0.9, false));
     let file = folder.write("file", "keep me");
     let output = wrinkle(&rest, &pose, &file.join("out"), &[]);
     assert_eq!(output.status.code(), Some(2));
