@@ -11,7 +11,8 @@ use plisse::field::WrinkleFreeRule;
     name = "plisse",
     version,
     about = "Puts wrinkles and folds on coarse triangle meshes",
-    after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder"
+    after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
+        All quantities are in SI units: lengths in metres (m), Young's modulus in pascals (Pa)."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -23,7 +24,8 @@ pub(crate) enum Command {
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
     #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
         Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.\n\
-        The scene format is described in docs/scene-format.md. Ctrl-C stops and writes the best state so far.")]
+        The scene format is described in docs/scene-format.md; lengths are in metres (m), Young's modulus in pascals (Pa), angles in\n\
+        degrees. Ctrl-C stops and writes the best state so far.")]
     Solve(SolveArguments),
     /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
     #[command(after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 --thickness 1e-4\n\n\

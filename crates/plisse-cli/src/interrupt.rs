@@ -12,7 +12,7 @@ pub(crate) fn watch() -> Arc<AtomicBool> {
         if seen.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
-        eprintln!("\nstopping; press Ctrl-C again to end at once");
+        crate::tell("\nstopping; press Ctrl-C again to end at once");
     });
     flag
 }

@@ -115,10 +115,10 @@ impl Report {
         }
     }
 
-    /// The table on the terminal.
-    pub(crate) fn print(&self) {
-        let row = |name: &str, value: String| println!("  {name:<24} {value}");
-        println!("{}", self.title);
+    /// The table for the terminal, one figure a line.
+    pub(crate) fn table(&self) -> String {
+        let mut table = format!("{}\n", self.title);
+        let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
         row("mesh", format!("{} vertices, {} faces, {} of them wrinkle-free", self.vertices, self.faces, self.wrinkle_free_faces));
         if let Some(base) = &self.base {
             row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));
@@ -160,8 +160,9 @@ impl Report {
             format!("base {:.3}, field {:.3}, phase {:.3}, surface {:.3}, total {:.3}", s.base, s.field, s.phase, s.surface, s.total),
         );
         for note in &self.notes {
-            println!("  note: {note}");
+            table += &format!("  note: {note}\n");
         }
+        table
     }
 }
 

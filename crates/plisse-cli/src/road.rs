@@ -1,11 +1,13 @@
 //! The road that both commands share: from a pose to files.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, curvature, solve};
 use plisse::io::aside::OutputFolder;
+use plisse::linalg::newton::Ending;
 use plisse::material::Material;
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::rest::RestMetric;
@@ -18,10 +20,12 @@ use crate::Done;
 use crate::arguments::{OutputArguments, Up};
 use crate::outputs::{self, Texture};
 use crate::progress::Bars;
-use crate::report::{BaseSummary, Report, SurfaceSummary};
+use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
 
 /// Most faces of a wrinkled surface.
 const FACE_LIMIT: usize = 20_000_000;
+/// Most subdivisions, whatever the mesh.
+const LEVEL_LIMIT: usize = 8;
 
 /// A pose that is to be wrinkled.
 pub(crate) struct Posed<'a> {
@@ -72,6 +76,25 @@ pub(crate) fn leave_out(field: &mut FieldOptions, names: &[String]) -> Result<()
     Ok(())
 }
 
+/// How many times `topology` can be subdivided before it has too many faces.
+fn most_levels(topology: &Topology) -> usize {
+    let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
+    (1..=LEVEL_LIMIT).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0)
+}
+
+/// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything long begins.
+pub(crate) fn check_levels(field: &str, levels: Option<usize>, topology: &Topology) -> Result<()> {
+    let most = most_levels(topology);
+    match levels {
+        Some(levels) if levels > most => {
+            let message =
+                format!("{levels} levels would make more than {FACE_LIMIT} faces of {}; ask for {most} or fewer", topology.face_count());
+            Err(Error::value(field, message))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Field, phase, surface, picture, files, table.
 pub(crate) fn finish(
     posed: Posed<'_>,
@@ -98,16 +121,9 @@ pub(crate) fn finish(
     let spinner = bars.spinner("surface");
     let levels = match arguments.levels.map(|l| l as usize).or(posed.levels) {
         Some(levels) => levels,
-        None => suggest_levels(topology, posed.rest, report.wavelength_m.as_ref().map(|w| w.median)),
+        // A mesh may be so fine already that what the wavelength asks for would be too much.
+        None => suggest_levels(topology, posed.rest, report.wavelength_m.as_ref().map(|w| w.median)).min(most_levels(topology)),
     };
-    let faces = topology.face_count().saturating_mul(4_usize.pow(levels as u32));
-    if faces > FACE_LIMIT {
-        let largest = (0..levels).rev().find(|&l| topology.face_count().saturating_mul(4_usize.pow(l as u32)) <= FACE_LIMIT);
-        return Err(Error::value(
-            "--levels",
-            format!("{levels} levels would make {faces} faces, more than {FACE_LIMIT}; ask for {} or fewer", largest.unwrap_or(0)),
-        ));
-    }
     let fine = upsample(topology, posed.pose, field, posed.rest_shape.0, posed.rest_shape.1, levels);
     let forms = posed.v1.then(|| curvature::second_forms(topology, posed.pose, posed.field.curvature_rings));
     let how = Displacement { v2: posed.v2, v1: forms.as_deref().map(|forms| (forms, posed.material)) };
@@ -127,7 +143,12 @@ pub(crate) fn finish(
     folder.write("field.json", |out| plisse::field::json::write(out, topology, field))?;
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {
-        report.notes.push("interrupted: this is the best state so far, not a solution".to_owned());
+        let interrupted = ending_name(Ending::Cancelled);
+        let cut_short = report.ending == interrupted || report.base.as_ref().is_some_and(|base| base.ending == interrupted);
+        report.notes.push(match cut_short {
+            true => "interrupted: this is the best state so far, not a solution".to_owned(),
+            false => "interrupted after the solve had ended by itself; nothing is missing".to_owned(),
+        });
     }
     report.seconds.surface = surface_begun.elapsed().as_secs_f64();
     report.seconds.total = begun.elapsed().as_secs_f64();
@@ -137,9 +158,11 @@ pub(crate) fn finish(
     })?;
     let paths = folder.commit()?;
     drop(spinner);
-    report.print();
+    let mut table = report.table();
     if let Some(parent) = paths.first().and_then(|p| p.parent()) {
-        println!("  written to               {}", parent.display());
+        table += &format!("  written to               {}\n", parent.display());
     }
+    // Nobody may be there to read it (`| head`): the run has not failed for that, its files are written.
+    let _ = std::io::stdout().write_all(table.as_bytes());
     Ok(if was_interrupted { Done::Interrupted } else { Done::Whole })
 }

@@ -12,12 +12,16 @@ use crate::Done;
 use crate::arguments::{SolveArguments, Up};
 use crate::outputs::panel_texture;
 use crate::progress::Bars;
-use crate::road::{Posed, finish, leave_out, open_output, with_threads};
+use crate::road::{Posed, check_levels, finish, leave_out, open_output, with_threads};
 
 pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
     let mut built = scene::build(&scene::read(&arguments.scene)?)?;
     leave_out(&mut built.field, &arguments.output.without)?;
+    match arguments.output.levels {
+        Some(levels) => check_levels("--levels", Some(levels as usize), &built.topology)?,
+        None => check_levels(&format!("{}, surface.levels", arguments.scene.display()), built.levels, &built.topology)?,
+    }
     let folder = open_output(&arguments.output, &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {

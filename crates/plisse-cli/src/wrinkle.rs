@@ -16,7 +16,7 @@ use crate::Done;
 use crate::arguments::WrinkleArguments;
 use crate::outputs::panel_texture;
 use crate::progress::Bars;
-use crate::road::{Posed, finish, leave_out, open_output, with_threads};
+use crate::road::{Posed, check_levels, finish, leave_out, open_output, with_threads};
 
 pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
@@ -61,6 +61,7 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
         (None, Some(faces)) => Some((rest.texture_coordinates.clone(), faces.clone())),
         (None, None) => panel_texture(&rest.positions, &rest.faces),
     };
+    check_levels("--levels", arguments.output.levels.map(|levels| levels as usize), &topology)?;
     let folder = open_output(&arguments.output, &arguments.pose)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
