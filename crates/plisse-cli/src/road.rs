@@ -11,7 +11,7 @@ use plisse::linalg::newton::Ending;
 use plisse::material::Material;
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::rest::RestMetric;
-use plisse::scene::Measured;
+use plisse::scene::{MOST_LEVELS, Measured};
 use plisse::shell::BaseReport;
 use plisse::surface::{Displacement, displace, suggest_levels, upsample};
 use plisse::{Error, Result};
@@ -24,8 +24,6 @@ use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
 
 /// Most faces of a wrinkled surface.
 const FACE_LIMIT: usize = 20_000_000;
-/// Most subdivisions, whatever the mesh.
-const LEVEL_LIMIT: usize = 8;
 
 /// A pose that is to be wrinkled.
 pub(crate) struct Posed<'a> {
@@ -79,7 +77,7 @@ pub(crate) fn leave_out(field: &mut FieldOptions, names: &[String]) -> Result<()
 /// How many times `topology` can be subdivided before it has too many faces.
 fn most_levels(topology: &Topology) -> usize {
     let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
-    (1..=LEVEL_LIMIT).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0)
+    (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0)
 }
 
 /// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything long begins.
@@ -121,6 +119,8 @@ pub(crate) fn finish(
     let spinner = bars.spinner("surface");
     let levels = match arguments.levels.map(|l| l as usize).or(posed.levels) {
         Some(levels) => levels,
+        // Who interrupts does not want to wait for a fine surface.
+        None if interrupted.load(Ordering::SeqCst) => 0,
         // A mesh may be so fine already that what the wavelength asks for would be too much.
         None => suggest_levels(topology, posed.rest, report.wavelength_m.as_ref().map(|w| w.median)).min(most_levels(topology)),
     };
@@ -137,6 +137,8 @@ pub(crate) fn finish(
         let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max, posed.up);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
         drop(spinner);
+    } else {
+        folder.leave_out("picture.png");
     }
     let spinner = bars.spinner("files");
     outputs::write_meshes(&mut folder, topology, posed.pose, &fine, &wrinkled, texture.as_ref(), posed.up)?;

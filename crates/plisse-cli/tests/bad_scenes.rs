@@ -148,7 +148,7 @@ fn wrong_values_name_file_and_field() {
         ("side = \"p.right\"", "side = \"p.bottom\"", &["clamp[1]", "clamp[0]", "x"]),
         ("side = \"p.right\"", "side = \"p.left\"", &["clamp[1]", "clamp[0]", "x"]),
         ("[-0.01, 0.0, 0.0]", "[nan, 0.0, 0.0]", &["clamp[1].move_m", "NaN"]),
-        ("levels = 1", "levels = 7", &["surface.levels", "7", "6"]),
+        ("levels = 1", "levels = 9", &["surface.levels", "9", "8"]),
         ("levels = 1", "levels = 18446744073709551615", &["levels"]),
         ("title = \"Two sheets\"", "title = \"\"", &["title"]),
     ]

@@ -16,6 +16,8 @@ pub struct OutputFolder {
     path: PathBuf,
     /// Names of the files that wait, in the order in which they were written.
     waiting: Vec<String>,
+    /// Names of files of earlier runs that are to go when the new ones appear.
+    leaving: Vec<String>,
     /// Folders that were made for this one, innermost first.
     made: Vec<PathBuf>,
 }
@@ -30,7 +32,7 @@ impl OutputFolder {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(is_missing).map(Path::to_path_buf).collect();
-        let folder = Self { path: path.to_path_buf(), waiting: Vec::new(), made };
+        let folder = Self { path: path.to_path_buf(), waiting: Vec::new(), leaving: Vec::new(), made };
         let trial = folder.part("trial");
         let attempt = fs::create_dir_all(path).and_then(|()| {
             new_file(&trial)?.write_all(b"trial")?;
@@ -72,6 +74,11 @@ impl OutputFolder {
         Ok(())
     }
 
+    /// Has the file `name` of an earlier run taken away when the new files appear, so that it is not mistaken for one of them.
+    pub fn leave_out(&mut self, name: &str) {
+        self.leaving.push(name.to_string());
+    }
+
     /// Lets all files appear under their names, in place of those that were there; returns their paths in the order of writing.
     ///
     /// # Errors
@@ -86,6 +93,9 @@ impl OutputFolder {
         }
         for (name, path) in self.waiting.iter().zip(&paths) {
             fs::rename(self.part(name), path).map_err(|source| Error::writing(path, source))?;
+        }
+        for name in &self.leaving {
+            fs::remove_file(self.path.join(name)).ok();
         }
         // So that the names outlast a power cut too, where the system can do that.
         File::open(&self.path).and_then(|folder| folder.sync_all()).ok();
@@ -281,5 +291,25 @@ mod tests {
             assert!(matches!(error, Error::Value { .. }), "{name}");
         }
         assert!(place.contents().is_empty());
+    }
+
+    #[test]
+    fn a_file_that_is_left_out_goes_only_with_the_commit() {
+        let root = std::env::temp_dir().join(format!("plisse-aside-leave-{}", std::process::id()));
+        fs::create_dir_all(&root).unwrap();
+        fs::write(root.join("old.png"), "old").unwrap();
+        for commit in [false, true] {
+            let mut folder = OutputFolder::create(&root).unwrap();
+            folder.leave_out("old.png");
+            folder.leave_out("never-there.png");
+            folder.write("new.txt", |out| out.write_all(b"new")).unwrap();
+            if commit {
+                folder.commit().unwrap();
+            } else {
+                drop(folder);
+            }
+            assert_eq!(root.join("old.png").exists(), !commit);
+        }
+        fs::remove_dir_all(&root).unwrap();
     }
 }

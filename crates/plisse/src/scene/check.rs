@@ -14,7 +14,7 @@ const MOST_ITERATIONS: usize = 1_000_000;
 /// Most rings that curvature may be fitted to.
 const MOST_RINGS: usize = 20;
 /// Most subdivisions: each makes four faces of one.
-const MOST_LEVELS: usize = 6;
+pub const MOST_LEVELS: usize = 8;
 /// Name in `field.without` that is no term of the energy.
 pub(super) const RELAXED_INTEGRABILITY: &str = "relaxed-integrability";
 
@@ -309,7 +309,7 @@ mod tests {
         clamp = [{ side = "q.2", axes = "zx", move_m = [0, 0, 0], turn = { axis = [0, 0, 1], angle_deg = 1 } }]
         base = { compressive_stiffness = 0.5, iteration_limit = 10 }
         field = { without = ["v1", "v2"], curvature_rings = 4, iteration_limit = 10 }
-        surface = { levels = 6 }
+        surface = { levels = 8 }
         measure = [
             { name = "m", kind = "waves_along", panel = "p", from_m = [0, 0], to_m = [1, 0], published = 3 },
             { name = "n", kind = "peak_amplitude" },
@@ -352,7 +352,7 @@ mod tests {
             ("\"v2\"]", "\"v1\"]", "field.without[1]", "twice"),
             ("rings = 4", "rings = 21", "field.curvature_rings", "from 1 to 20"),
             ("4, iteration_limit = 10", "4, iteration_limit = 1000001", "field.iteration_limit", "1000001"),
-            ("levels = 6", "levels = 7", "surface.levels", "7 is out of range; give a whole number from 0 to 6"),
+            ("levels = 8", "levels = 9", "surface.levels", "9 is out of range; give a whole number from 0 to 8"),
             ("name = \"n\"", "name = \"m\"", "measure[1].name", "measure[0]"),
             ("panel = \"p\", ", "", "measure[0].panel", "waves_along needs panel, from_m and to_m"),
             ("\"peak_amplitude\"", "\"peak_amplitude\", to_m = [1, 1]", "measure[1].to_m", "only waves_along"),

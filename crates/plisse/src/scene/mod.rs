@@ -12,6 +12,7 @@ pub mod read;
 pub mod schema;
 
 pub use build::{Built, BuiltPanel, build};
+pub use check::MOST_LEVELS;
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use read::{parse, read};
 pub use schema::Scene;
