@@ -13,6 +13,8 @@ use serde::Serialize;
 pub(crate) struct Report {
     pub(crate) plisse: &'static str,
     pub(crate) title: String,
+    /// What the scene says was published about it.
+    pub(crate) paper: Option<String>,
     pub(crate) vertices: usize,
     pub(crate) faces: usize,
     pub(crate) wrinkle_free_faces: usize,
@@ -92,6 +94,7 @@ impl Report {
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: title.to_owned(),
+            paper: None,
             vertices: topology.vertex_count,
             faces: topology.face_count(),
             wrinkle_free_faces: field.wrinkle_free.iter().filter(|f| **f).count(),
@@ -119,6 +122,9 @@ impl Report {
     pub(crate) fn table(&self) -> String {
         let mut table = format!("{}\n", self.title);
         let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
+        if let Some(paper) = &self.paper {
+            row("published", paper.clone());
+        }
         row("mesh", format!("{} vertices, {} faces, {} of them wrinkle-free", self.vertices, self.faces, self.wrinkle_free_faces));
         if let Some(base) = &self.base {
             row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));

@@ -28,6 +28,8 @@ const FACE_LIMIT: usize = 20_000_000;
 /// A pose that is to be wrinkled.
 pub(crate) struct Posed<'a> {
     pub(crate) title: &'a str,
+    /// What was published about it.
+    pub(crate) paper: Option<&'a str>,
     pub(crate) topology: &'a Topology,
     pub(crate) rest: &'a RestMetric,
     /// Rest positions and corners.
@@ -108,6 +110,7 @@ pub(crate) fn finish(
     bars.finish();
     let (field, found) = (&solved.field, &solved.report);
     let mut report = Report::new(posed.title, topology, posed.rest, field, found);
+    report.paper = posed.paper.map(str::to_owned);
     report.measures = measure(field, found);
     report.notes = posed.notes;
     if let Some(base) = posed.base {

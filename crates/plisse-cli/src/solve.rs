@@ -30,6 +30,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
         let rest_positions: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let posed = Posed {
             title: &built.title,
+            paper: Some(built.paper.as_str()).filter(|paper| !paper.is_empty()),
             topology: &built.topology,
             rest: &built.rest,
             rest_shape: (&rest_positions, &built.rest_faces),

@@ -67,6 +67,7 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     with_threads(arguments.output.threads, || {
         let posed = Posed {
             title: &pose_name,
+            paper: None,
             topology: &topology,
             rest: &metric,
             rest_shape: (&rest.positions, &rest.faces),

@@ -6,6 +6,42 @@
 //! → [`picture`] and files. [`scene`] describes such a road in a file; [`linalg`] lies under all of them.
 //!
 //! Units are SI everywhere: metre, pascal, radian, joule.
+//!
+//! ```
+//! use plisse::progress::Silent;
+//! use plisse::surface::{Displacement, displace, upsample};
+//! use plisse::{field, mesh::Vec3, scene, shell};
+//!
+//! let text = r#"
+//!     title = "A sheet pulled along x"
+//!     [material]
+//!     young_pa = 1e6
+//!     poisson = 0.5
+//!     thickness_m = 1e-4
+//!     [[panel]]
+//!     name = "sheet"
+//!     shape = "rectangle"
+//!     width_m = 0.25
+//!     height_m = 0.1
+//!     edge_length_m = 0.015
+//!     [[clamp]]
+//!     side = "sheet.left"
+//!     [[clamp]]
+//!     side = "sheet.right"
+//!     move_m = [0.0125, 0.0, 0.0]
+//! "#;
+//! let built = scene::build(&scene::parse("sheet.toml", text)?)?;
+//! let (topology, rest, material) = (&built.topology, &built.rest, &built.material);
+//! let (pose, _) = shell::solve_base(topology, rest, &built.start, &built.clamps, material, &built.base, &Silent)?;
+//! let solved = field::solve(topology, rest, &pose, &built.clamps.held(), material, &built.field, &Silent)?;
+//! assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
+//!
+//! let flat: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+//! let fine = upsample(topology, &pose, &solved.field, &flat, &built.rest_faces, 2);
+//! let wrinkled = displace(&fine, &Displacement { v2: true, v1: None });
+//! assert_eq!(wrinkled.len(), fine.topology.vertex_count);
+//! # Ok::<(), plisse::Error>(())
+//! ```
 
 pub mod error;
 pub mod field;
