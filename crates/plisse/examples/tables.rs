@@ -6,6 +6,7 @@
 #![allow(clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
 use plisse::io::{clamp_file, obj};
@@ -16,6 +17,7 @@ use plisse::progress::Silent;
 use plisse::rest::RestMetric;
 use plisse::scene::{self, Scene};
 use plisse::shell::{BaseReport, solve_base};
+use plisse::surface::{Displacement, displace, upsample};
 
 /// Runs of which the median time counts.
 const RUNS: usize = 5;
@@ -47,8 +49,9 @@ fn published_data(data: &Path) -> Result<(), plisse::Error> {
     let material = Material::new(1e7, 0.44, 1e-4)?;
     let mut notes = Vec::new();
     for (name, clamp, energy, amplitude, waves, seconds) in [
-        ("tfw-disk", None, 1.973_936_388e-2, 1.054_432e-3, 85, 1.13),
-        ("cylinder-688", Some("clamp.dat"), 8.035_659_9e-1, 1.4623e-2, 47, 73.7),
+        ("tfw-disk", None, "1.973936e-2", "1.0544e-3", "85", 1.13),
+        ("tfw-disk", Some("clamped.dat"), "–", "–", "–", 4.37),
+        ("cylinder-688", Some("clamp.dat"), "8.035660e-1", "1.4623e-2", "47", 73.7),
     ] {
         let folder = data.join(name);
         let rest_shape = obj::read(&folder.join("rest.obj"))?;
@@ -65,7 +68,8 @@ fn published_data(data: &Path) -> Result<(), plisse::Error> {
         let (solved, field_seconds) = timed(|| solve(&topology, &rest, &pose.positions, &held, &material, &options, &Silent))?;
         let period = solved.report.periods[0];
         println!(
-            "| {name} | {:.6e} | {energy:.6e} | {:.4e} | {amplitude:.4e} | {:.2} | {} | {waves} | {} | {field_seconds:.4} | {seconds} | {:.0} |",
+            "| {name}{} | {:.6e} | {energy} | {:.4e} | {amplitude} | {:.2} | {} | {waves} | {} | {field_seconds:.4} | {seconds} | {:.0} |",
+            if clamp.is_some() { ", rim held" } else { "" },
             solved.report.energy_joule,
             largest(&solved.field.amplitude_m),
             period.before_rounding,
@@ -73,6 +77,9 @@ fn published_data(data: &Path) -> Result<(), plisse::Error> {
             solved.report.iterations,
             seconds / field_seconds
         );
+        if clamp.is_some() {
+            continue;
+        }
         if let Ok(text) = std::fs::read_to_string(folder.join("amplitude.txt")) {
             let published: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             let difference: f64 = published.iter().zip(&solved.field.amplitude_m).map(|(a, b)| (a - b).powi(2)).sum();
@@ -82,8 +89,24 @@ fn published_data(data: &Path) -> Result<(), plisse::Error> {
                 100.0 * (difference / square).sqrt()
             ));
         }
+        let flat = &rest_shape.positions;
+        let surface_seconds = median(
+            (0..RUNS)
+                .map(|_| {
+                    let begun = Instant::now();
+                    let fine = upsample(&topology, &pose.positions, &solved.field, flat, &rest_shape.faces, 3);
+                    std::hint::black_box(displace(&fine, &Displacement { v2: true, v1: None }));
+                    begun.elapsed().as_secs_f64()
+                })
+                .collect(),
+        );
+        notes.push(format!(
+            "{name}: fine surface, 3 levels ({} faces): {surface_seconds:.4} s; published code 0.63 s, ratio {:.0}.",
+            64 * topology.face_count(),
+            0.63 / surface_seconds
+        ));
     }
-    println!("\n{}\n", notes.join("\n"));
+    println!("\n{}\n", notes.join("\n\n"));
     Ok(())
 }
 
@@ -91,16 +114,16 @@ fn twisted_cylinder() -> Result<(), plisse::Error> {
     println!("## Twisted cylinder (scene 01)\n");
     println!("Whole pipeline on irregular meshes, three seeds each. Published: Chen et al. 2021, figure 21.\n");
     println!(
-        "| vertices | waves before rounding | waves | published waves | base: iterations, seconds | published code | field: iterations, seconds | published code |"
+        "| vertices | waves before rounding | waves | published waves | base: iterations, seconds | published code | field: iterations, seconds | published code | ratio |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     let scene = scene::read("examples/01-twisted-cylinder.toml")?;
     for (edge, waves, base_seconds, field_seconds) in [
-        (0.48, "46 (180 vertices)", "0.06", "36.6"),
-        (0.345, "46 (344)", "0.13", "51.9"),
-        (0.241, "47 (688)", "1.0", "73.7"),
-        (0.175, "46 (1309)", "1.7", "121"),
-        (0.125, "45 (2543)", "–", "–"),
+        (0.48, "46 (180 vertices)", "0.06", Some(36.6)),
+        (0.345, "46 (344)", "0.13", Some(51.9)),
+        (0.241, "47 (688)", "1.0", Some(73.7)),
+        (0.175, "46 (1309)", "1.7", Some(121.0)),
+        (0.125, "45 (2543)", "–", None),
     ] {
         for seed in 1..=3 {
             let mut scene = scene.clone();
@@ -109,14 +132,16 @@ fn twisted_cylinder() -> Result<(), plisse::Error> {
             let run = run(&scene)?;
             let period = run.solved.report.periods[0];
             println!(
-                "| {} | {:.2} | {} | {waves} | {}, {:.3} | {base_seconds} | {}, {:.3} | {field_seconds} |",
+                "| {} | {:.2} | {} | {waves} | {}, {:.3} | {base_seconds} | {}, {:.3} | {} | {} |",
                 run.pose.len(),
                 period.before_rounding,
                 period.turns,
                 run.base.iterations,
                 run.base.seconds,
                 run.solved.report.iterations,
-                run.field_seconds
+                run.field_seconds,
+                field_seconds.map_or("–".to_owned(), |seconds: f64| seconds.to_string()),
+                field_seconds.map_or("–".to_owned(), |seconds| format!("{:.0}", seconds / run.field_seconds))
             );
         }
     }

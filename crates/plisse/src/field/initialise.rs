@@ -23,14 +23,14 @@ pub struct FirstGuess {
     pub coefficients: Vec<f64>,
 }
 
-/// Wavelength to start from (m): 2π√(h·size)·`factor`, with the size of a cube whose vertices are as far from their centre as
-/// those of the base surface are on average. The wavelength of wrinkles under tension goes as the root of thickness times
-/// length (Cerda & Mahadevan 2003).
-pub fn first_wavelength_m(material: &Material, positions: &[Vec3], factor: f64) -> f64 {
+/// Wavelength to start from (m): 2π√(h·size), with the size of a cube whose vertices are as far from their centre as those of
+/// the base surface are on average. The wavelength of wrinkles under tension goes as the root of thickness times length
+/// (Cerda & Mahadevan 2003); the solve corrects the factor by [`FieldProblem::rescale`](super::problem::FieldProblem::rescale).
+pub fn first_wavelength_m(material: &Material, positions: &[Vec3]) -> f64 {
     let count = positions.len() as f64;
     let centre = positions.iter().sum::<Vec3>() / count;
     let size = (12.0 * positions.iter().map(|p| (p - centre).norm_squared()).sum::<f64>() / count).sqrt();
-    std::f64::consts::TAU * factor * (material.thickness_m * size).sqrt()
+    std::f64::consts::TAU * (material.thickness_m * size).sqrt()
 }
 
 /// Compression of a face along its first principal direction: ε = −λ where that is pressed, else zero. A face pressed both

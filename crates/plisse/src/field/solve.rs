@@ -30,8 +30,6 @@ pub struct FieldOptions {
     pub relaxed_integrability: bool,
     /// Rings of vertices that curvature is fitted to.
     pub curvature_rings: usize,
-    /// First wavelength, as a factor on [`first_wavelength_m`]'s estimate.
-    pub first_wavelength_factor: f64,
     /// How indefinite element Hessians are treated before the true Hessian takes over.
     pub convexity: Convexity,
     /// Largest component of the projected gradient at which the solve ends, in the problem's own units.
@@ -47,7 +45,6 @@ impl Default for FieldOptions {
             terms: Terms::default(),
             relaxed_integrability: true,
             curvature_rings: 5,
-            first_wavelength_factor: 0.75,
             convexity: Convexity::Mirrored,
             tolerance: 1e-12,
             iteration_limit: 1000,
@@ -139,7 +136,7 @@ pub fn solve(
     let wrinkle_free_energy_joule =
         (0..topology.face_count()).filter(|&f| wrinkle_free[f]).fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
 
-    let wavelength_m = first_wavelength_m(material, positions, options.first_wavelength_factor);
+    let wavelength_m = first_wavelength_m(material, positions);
     let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, wavelength_m)?;
     let (amplitude_unit_m, energy_unit_joule) = units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
     let mut problem = FieldProblem::new(topology, &forms, &wrinkle_free, &still, &densities, amplitude_unit_m, energy_unit_joule);
