@@ -49,9 +49,14 @@ impl SymmetricPattern {
     /// # Panics
     /// If the pattern does not hold the entry.
     pub fn slot(&self, i: usize, j: usize) -> usize {
+        self.find(i, j).expect("the pattern holds the entry")
+    }
+
+    /// Where entry (`i`, `j`) of the symmetric matrix is stored, if the pattern holds it.
+    pub fn find(&self, i: usize, j: usize) -> Option<usize> {
         let (column, row) = (i.min(j), i.max(j));
         let start = self.columns[column];
-        start + self.rows[start..self.columns[column + 1]].binary_search(&row).expect("the pattern holds the entry")
+        self.rows[start..self.columns[column + 1]].binary_search(&row).ok().map(|at| start + at)
     }
 
     /// Slots of an element's lower triangle, row by row: (0,0), (1,0), (1,1), (2,0), …
@@ -62,12 +67,17 @@ impl SymmetricPattern {
     /// `out = A x` for the symmetric matrix with these lower-triangle `values`.
     pub fn multiply(&self, values: &[f64], x: &[f64], out: &mut [f64]) {
         out.fill(0.0);
+        self.add_multiple(1.0, values, x, out);
+    }
+
+    /// `out += factor · A x` for the symmetric matrix with these lower-triangle `values`.
+    pub fn add_multiple(&self, factor: f64, values: &[f64], x: &[f64], out: &mut [f64]) {
         for column in 0..self.size() {
             for slot in self.columns[column]..self.columns[column + 1] {
                 let row = self.rows[slot];
-                out[row] += values[slot] * x[column];
+                out[row] += factor * values[slot] * x[column];
                 if row != column {
-                    out[column] += values[slot] * x[row];
+                    out[column] += factor * values[slot] * x[row];
                 }
             }
         }
