@@ -4,7 +4,9 @@
 //! [`tension_field`] is the membrane of a face, [`quadratic_bending`] the bending of the whole mesh, [`base`] the solve.
 
 pub mod base;
+pub mod loads;
 pub mod quadratic_bending;
 pub mod tension_field;
 
 pub use base::{BaseOptions, BaseReport, Clamps, solve_base};
+pub use loads::Loads;
