@@ -253,7 +253,7 @@ mod tests {
         let step = 1e-5;
         for (k, (obstacle, depth)) in shapes().into_iter().enumerate() {
             let (mut checked, mut inside) = (0, 0);
-            for p in points(k as u64, 3000, 2.0) {
+            for p in points(k as u64, 2000, 2.0).into_iter().chain(points(99, 2000, 0.9)) {
                 let near = obstacle.nearby(&p, f64::INFINITY).unwrap();
                 assert_eq!(near.distance_m, obstacle.distance_m(&p));
                 assert!((near.gradient.norm() - 1.0).abs() < 1e-12);
@@ -280,7 +280,7 @@ mod tests {
                     inside += usize::from(near.distance_m < 0.0);
                 }
             }
-            assert!(checked > 800 && inside > 4, "{obstacle:?}: {checked} {inside}");
+            assert!(checked > 800 && inside > 20, "{obstacle:?}: {checked} {inside}");
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Where the closest point lies on an edge or vertex, no single face tells inside from outside, but the sum of the faces' unit
 //! normals there does, weighted by their angles at a vertex: [Bærentzen & Aanæs 2005, *Signed Distance Computation Using the
-//! Angle Weighted Pseudonormal*]. They are kept here per feature, in input units free of areas, so that slivers do no harm.
+//! Angle Weighted Pseudonormal*]. A face without area has none; its neighbours stand in for it, so that slivers do no harm.
 
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -455,7 +455,7 @@ mod tests {
         let (positions, faces) = star();
         let body = obstacle((positions.clone(), faces.clone()));
         let mut both = [0, 0];
-        for p in points(11, 5000, 2.0) {
+        for p in points(11, 5000, 2.0).into_iter().chain(points(12, 5000, 0.7)) {
             // Solid angle of all faces: 4π inside, 0 outside.
             let angle: f64 = faces
                 .iter()
@@ -469,7 +469,7 @@ mod tests {
             assert_eq!(body.distance_m(&p) < 0.0, inside, "{p} {}", body.distance_m(&p));
             both[usize::from(inside)] += 1;
         }
-        assert!(both[0] > 1000 && both[1] > 200, "{both:?}");
+        assert!(both[0] > 1000 && both[1] > 500, "{both:?}");
     }
 
     #[test]
@@ -535,7 +535,10 @@ mod tests {
         let mut bad = faces.clone();
         bad[4].swap(0, 1);
         let text = message(&positions, &bad);
-        assert!(text.contains("disagree about which side is outside") && text.contains("faces 4 and 5") | text.contains("and 4"), "{text}");
+        assert!(
+            text.contains("disagree about which side is outside") && (text.contains("faces 4 and") || text.contains("and 4 of")),
+            "{text}"
+        );
         let mut bad = faces.clone();
         bad.push([0, 1, 7]);
         assert!(message(&positions, &bad).contains("of the obstacle is shared by 3 faces"));
@@ -544,7 +547,7 @@ mod tests {
             bad[3].y = value;
             assert!(message(&bad, &faces).contains("vertex 3 is") && message(&bad, &faces).contains(words));
         }
-        let pressed: Vec<Vec3> = positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        let pressed: Vec<Vec3> = positions.iter().map(|p| Vec3::new(p.x, p.y, p.z * 1e-20)).collect();
         assert!(message(&pressed, &faces).contains("the obstacle encloses no volume"));
         let dot = vec![Vec3::repeat(1.0); 8];
         assert!(message(&dot, &faces).contains("no faces with an area"));
