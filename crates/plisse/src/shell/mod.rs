@@ -2,9 +2,11 @@
 //! [Chen 2021]).
 //!
 //! [`tension_field`] is the membrane of a face, [`quadratic_bending`] the bending of the whole mesh, [`base`] the solve.
+//! [`mid_edge_bending`] is the bending of a shell that may wrinkle for itself, on a mesh fine enough for it.
 
 pub mod base;
 pub mod loads;
+pub mod mid_edge_bending;
 pub mod quadratic_bending;
 pub mod tension_field;
 
