@@ -70,8 +70,7 @@ impl Ellipsoid {
             }
             let step = g2 * (g2.sqrt() - 1.0) / g3;
             u += step.max(0.0);
-            // Not a number stops, too.
-            if !(step > 0.5 * f64::EPSILON * u) {
+            if step.is_nan() || step <= 0.5 * f64::EPSILON * u {
                 break;
             }
         }
