@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     let folder = open_output(&arguments.output, &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
-        let (pose, base) = solve_base(&built.topology, &built.rest, &built.start, &built.clamps, &built.material, &built.base, &bars)?;
+        let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
         bars.finish();
         let rest_positions: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let posed = Posed {

@@ -257,7 +257,7 @@ fn run(scene: &Scene) -> Result<Run, plisse::Error> {
 }
 
 fn run_built(built: &scene::Built) -> Result<Run, plisse::Error> {
-    let base = || solve_base(&built.topology, &built.rest, &built.start, &built.clamps, &built.material, &built.base, &Silent);
+    let base = || solve_base(&built.setup(), &built.start, &built.base, &Silent);
     let (pose, mut report) = base()?;
     let mut seconds = vec![report.seconds];
     for _ in 1..RUNS {

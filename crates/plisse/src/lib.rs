@@ -32,7 +32,7 @@
 //! "#;
 //! let built = scene::build(&scene::parse("sheet.toml", text)?)?;
 //! let (topology, rest, material) = (&built.topology, &built.rest, &built.material);
-//! let (pose, _) = shell::solve_base(topology, rest, &built.start, &built.clamps, material, &built.base, &Silent)?;
+//! let (pose, _) = shell::solve_base(&built.setup(), &built.start, &built.base, &Silent)?;
 //! let solved = field::solve(topology, rest, &pose, &built.clamps.held(), material, &built.field, &Silent)?;
 //! assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
 //!

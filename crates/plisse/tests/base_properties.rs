@@ -19,7 +19,7 @@ fn material() -> Material {
 }
 
 fn base(sheet: &Sheet, clamps: &Clamps, options: &BaseOptions) -> (Vec<Vec3>, BaseReport) {
-    solve_base(&sheet.topology, &sheet.rest, &sheet.pose, clamps, &material(), options, &Silent).unwrap()
+    solve_base(&sheet.setup(&material(), clamps), &sheet.pose, options, &Silent).unwrap()
 }
 
 /// Areas of the pose's faces relative to rest.
@@ -148,7 +148,7 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
     let uneven = |share: f64| {
         let options = BaseOptions { compressive_stiffness: share, ..BaseOptions::default() };
         let thin = Material { thickness_m: 1e-7, ..material() };
-        let (pose, report) = solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &thin, &options, &Silent).unwrap();
+        let (pose, report) = solve_base(&sheet.setup(&thin, &clamps), &sheet.pose, &options, &Silent).unwrap();
         let ratios = area_ratios(&sheet, &pose);
         let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
         eprintln!(
@@ -170,9 +170,8 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
 #[test]
 fn rigid_motions_move_the_result_along() {
     let (sheet, clamps) = twisted_cylinder(0.45);
-    let solve = |sheet: &Sheet, clamps: &Clamps| {
-        solve_base(&sheet.topology, &sheet.rest, &sheet.pose, clamps, &mylar(), &BaseOptions::default(), &Silent).unwrap()
-    };
+    let solve =
+        |sheet: &Sheet, clamps: &Clamps| solve_base(&sheet.setup(&mylar(), clamps), &sheet.pose, &BaseOptions::default(), &Silent).unwrap();
     let (pose, report) = solve(&sheet, &clamps);
     let turn = Rotation3::from_euler_angles(0.3, 1.1, -0.6);
     let motion = |p: Vec3| turn * p + Vec3::new(4.0, -3.0, 2.0);
@@ -196,7 +195,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let options = BaseOptions::default();
-        pool.install(|| solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &mylar(), &options, &Silent).unwrap())
+        pool.install(|| solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &Silent).unwrap())
     };
     let bits = |pose: &[Vec3]| -> Vec<u64> { pose.iter().flat_map(|p| p.iter().map(|x| x.to_bits())).collect() };
     let (one, two) = (with(1), with(2));
@@ -219,7 +218,7 @@ fn energy_never_rises() {
     let (sheet, clamps) = twisted_cylinder(0.45);
     let energies = Energies(Mutex::new(Vec::new()));
     let options = BaseOptions::default();
-    let (_, report) = solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &mylar(), &options, &energies).unwrap();
+    let (_, report) = solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &energies).unwrap();
     let energies = energies.0.into_inner().unwrap();
     assert!(energies.len() > 2 && energies.windows(2).all(|p| p[1] <= p[0] * (1.0 + 1e-12)), "{energies:?}");
     assert_eq!(energies[energies.len() - 1].to_bits(), report.energy_joule.to_bits());
@@ -275,7 +274,7 @@ fn what_nothing_holds_is_named() {
     let sheet = squares();
     let message = |clamps: &Clamps| {
         let options = BaseOptions::default();
-        let result = solve_base(&sheet.topology, &sheet.rest, &sheet.pose, clamps, &material(), &options, &Silent);
+        let result = solve_base(&sheet.setup(&material(), clamps), &sheet.pose, &options, &Silent);
         result.unwrap_err().to_string()
     };
     let mut clamps = Clamps::none(25);
@@ -285,5 +284,5 @@ fn what_nothing_holds_is_named() {
         clamps.targets[0][axis] = Some(0.0);
     }
     let options = BaseOptions::default();
-    assert!(solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &material(), &options, &Silent).is_ok());
+    assert!(solve_base(&sheet.setup(&material(), &clamps), &sheet.pose, &options, &Silent).is_ok());
 }

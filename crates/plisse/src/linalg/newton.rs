@@ -24,13 +24,18 @@ pub trait Problem {
     fn lower_bounds(&self) -> Vec<f64>;
     /// The energy at `x`.
     fn energy(&mut self, x: &[f64]) -> f64;
-    /// The energy at `x` and its gradient; remembers the element Hessians for [`Problem::hessian`].
+    /// The energy at `x` and its gradient; remembers `x` for [`Problem::hessian`].
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
     /// Adds to `out` (`[n]`) what the Hessian does to `x` (`[n]`) beyond its values on [`Problem::pattern`], if the pattern leaves
     /// small, far couplings out; the values must then bound the whole Hessian from above. Returns whether there is anything.
     fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
         let _ = (x, out);
         false
+    }
+    /// The longest part (0 to 1) of the step `direction` from `x` that may be tried, where the energy has walls (contact).
+    fn longest_step(&self, x: &[f64], direction: &[f64]) -> f64 {
+        let _ = (x, direction);
+        1.0
     }
     /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]);
@@ -150,7 +155,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         }
         let mut accepted = false;
         if solved {
-            let mut length = 1.0;
+            let mut length = problem.longest_step(&x, &direction);
             for _ in 0..40 {
                 let mut slope = 0.0;
                 for i in 0..n {
@@ -184,7 +189,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         }
         iterations += 1;
         if !accepted {
-            // The remembered element Hessians belong to a trial point now; that is fine, because nothing follows.
+            // The problem remembers a trial point now; that is fine, because nothing follows.
             break Ending::RoundOff;
         }
         std::mem::swap(&mut x, &mut trial);

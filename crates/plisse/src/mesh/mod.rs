@@ -3,7 +3,7 @@
 
 pub mod check;
 pub mod panel;
-mod scatter;
+pub(crate) mod scatter;
 pub mod sew;
 pub mod subdivide;
 mod topology;

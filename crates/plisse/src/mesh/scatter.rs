@@ -158,7 +158,7 @@ impl Samples {
 }
 
 /// The splitmix64 generator: its whole state is one number, its stream the same on every machine.
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -170,7 +170,7 @@ impl Random {
     }
 
     /// Even in [0, 1).
-    fn unit(&mut self) -> f64 {
+    pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 

@@ -82,6 +82,11 @@ pub struct PanelView<'a> {
 /// stand 2×2; very elongated subjects get one column or one row instead. `size` is width and height (pixels); 1600×1200
 /// is a good one, and lettering grows with it.
 pub fn draw(panels: &[PanelView; 4], camera: &Camera, size: (usize, usize)) -> Image {
+    draw_among(panels, Subject { positions: &[], faces: &[] }, camera, size)
+}
+
+/// As [`draw`], with plain grey `bodies` around and inside the subjects. They do not change the frame, so they may be cut off.
+pub fn draw_among(panels: &[PanelView; 4], bodies: Subject, camera: &Camera, size: (usize, usize)) -> Image {
     let mut image = Image::blank(size.0, size.1);
     let bounds = panels.iter().fold(camera.bounds(), |bounds, panel| bounds.including(camera, panel.subject));
     let letters = (size.0.min(size.1 * 4 / 3) / 1600).max(1);
@@ -91,7 +96,7 @@ pub fn draw(panels: &[PanelView; 4], camera: &Camera, size: (usize, usize)) -> I
         let corner = ((p % columns) * cell.0, (p / columns) * cell.1);
         let place = Place { left: corner.0, top: corner.1, width: cell.0, height: cell.1, letters };
         let frame = Frame::new(camera, &bounds, viewport);
-        let painted = paint::paint(panel, &frame);
+        let painted = paint::paint(panel, bodies, &frame);
         image.paste(&painted.image, place.left + MARGIN * letters, place.top + HEAD * letters);
         annotate(&mut image, panel, &painted, &frame, place);
     }

@@ -23,31 +23,43 @@ pub(super) struct Painted {
     pub(super) unwrinkled: bool,
 }
 
-/// Draws `panel` in the view of `frame`.
-pub(super) fn paint(panel: &PanelView, frame: &Frame) -> Painted {
-    let Subject { positions, faces } = panel.subject;
-    let surface = Surface::new(panel.subject, frame);
+/// Colour of bodies that are not the subject (sRGB).
+const BODY_SRGB: [u8; 3] = [150, 156, 160];
+
+/// Draws `panel` in the view of `frame`, among `bodies`.
+pub(super) fn paint(panel: &PanelView, bodies: Subject, frame: &Frame) -> Painted {
+    let own = panel.subject.faces.len();
+    let shift = panel.subject.positions.len();
+    let positions = [panel.subject.positions, bodies.positions].concat();
+    let mut faces = panel.subject.faces.to_vec();
+    faces.extend(bodies.faces.iter().map(|face| face.map(|v| v.saturating_add(shift))));
+    let (positions, faces) = (&positions[..], &faces[..]);
+    let surface = Surface::new(Subject { positions, faces }, frame);
+    let body = colour::light_from_srgb(BODY_SRGB);
+    let shade = |seen: &Seen, colour: &(dyn Fn(usize, usize, usize) -> Light + Sync)| {
+        shade(seen, |f, x, y| if f < own { colour(f, x, y) } else { lit(surface.normal(f, x, y).0, body) })
+    };
     let seen = see(&surface.projected, faces, frame.size);
     let mut painted = Painted { image: Image::blank(0, 0), relief_gain: 1.0, unwrinkled: false };
     painted.image = match panel.paint {
         Paint::Plain { colour, wireframe: true } => {
             let material = colour::light_from_srgb(colour);
             let border = border_sides(positions.len(), faces);
-            shade(&seen, |f, x, y| {
+            shade(&seen, &|f, x, y| {
                 let triangle = surface.triangle(f);
                 wire(&triangle, border[f], x, y, lit(surface.facet_normal(f, &triangle), material))
             })
         }
         Paint::Plain { colour, wireframe: false } => {
             let material = colour::light_from_srgb(colour);
-            let relief = Relief::measure(&seen, |f, x, y| surface.normal(f, x, y).0);
+            let relief = Relief::measure(&seen, own, |f, x, y| surface.normal(f, x, y).0);
             painted.relief_gain = relief.gain;
-            shade(&seen, |f, x, y| lit(relief.steepened(surface.normal(f, x, y).0, x, y), material))
+            shade(&seen, &|f, x, y| lit(relief.steepened(surface.normal(f, x, y).0, x, y), material))
         }
         Paint::Scalar { values, maximum, .. } => {
             let map: Vec<Light> = (0..=MAP).map(|i| colour::viridis(i as f32 / MAP as f32)).collect();
             let maximum = usable_maximum(maximum);
-            shade(&seen, |f, x, y| {
+            shade(&seen, &|f, x, y| {
                 let (normal, weights) = surface.normal(f, x, y);
                 let value: f64 = (0..3).map(|k| weights[k] * values.get(faces[f][k]).copied().unwrap_or(f64::NAN)).sum();
                 let paint =
@@ -57,8 +69,8 @@ pub(super) fn paint(panel: &PanelView, frame: &Frame) -> Painted {
         }
         Paint::Phase { corners } => {
             let of_face = |f: usize| corners.get(f).copied().filter(|c| c.iter().all(|p| p.is_finite()));
-            painted.unwrinkled = (0..faces.len()).any(|f| of_face(f).is_none());
-            shade(&seen, |f, x, y| {
+            painted.unwrinkled = (0..own).any(|f| of_face(f).is_none());
+            shade(&seen, &|f, x, y| {
                 let Some(phase) = of_face(f) else { return [0.0; 3] };
                 let (normal, weights) = surface.normal(f, x, y);
                 let (sin, cos) = (0..3).map(|k| weights[k] * phase[k]).sum::<f64>().sin_cos();

@@ -28,15 +28,15 @@ pub(super) struct Relief {
 }
 
 impl Relief {
-    /// Measures the relief of what is `seen`; `normal(face, x, y)` is the normal at a sample.
-    pub(super) fn measure(seen: &Seen, normal: impl Fn(usize, usize, usize) -> Normal) -> Self {
+    /// Measures the relief of the first `own` faces where they are `seen`; `normal(face, x, y)` is the normal at a sample.
+    pub(super) fn measure(seen: &Seen, own: usize, normal: impl Fn(usize, usize, usize) -> Normal) -> Self {
         let (columns, rows) = (seen.width.div_ceil(CELL), seen.height.div_ceil(CELL));
         let mut sums = vec![[0f64; 3]; columns * rows];
         let mut probes = Vec::new();
         for y in (CELL / 4..seen.height).step_by(CELL / 2) {
             for x in (CELL / 4..seen.width).step_by(CELL / 2) {
                 let face = seen.faces[y * seen.width + x];
-                if face != NOTHING {
+                if face != NOTHING && (face as usize) < own {
                     let n = normal(face as usize, x, y);
                     let cell = y / CELL * columns + x / CELL;
                     for k in 0..3 {
@@ -127,7 +127,7 @@ mod tests {
 
     fn measured(slope: f64) -> Relief {
         let seen = Seen { width: 400, height: 200, faces: vec![0; 80_000] };
-        Relief::measure(&seen, |_, x, _| unit([slope * (x as f64 * 0.3).cos(), 0.0, 1.0]))
+        Relief::measure(&seen, usize::MAX, |_, x, _| unit([slope * (x as f64 * 0.3).cos(), 0.0, 1.0]))
     }
 
     #[test]
@@ -152,8 +152,8 @@ mod tests {
     #[test]
     fn nothing_seen_gives_gain_one() {
         let seen = Seen { width: 40, height: 20, faces: vec![NOTHING; 800] };
-        assert_eq!(Relief::measure(&seen, |_, _, _| [0.0; 3]).gain, 1.0);
+        assert_eq!(Relief::measure(&seen, usize::MAX, |_, _, _| [0.0; 3]).gain, 1.0);
         let empty = Seen { width: 0, height: 0, faces: vec![] };
-        assert_eq!(Relief::measure(&empty, |_, _, _| [0.0; 3]).gain, 1.0);
+        assert_eq!(Relief::measure(&empty, usize::MAX, |_, _, _| [0.0; 3]).gain, 1.0);
     }
 }

@@ -12,7 +12,7 @@ use crate::mesh::panel::Panel;
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
-use crate::shell::{BaseOptions, Clamps};
+use crate::shell::{BaseOptions, Clamps, Setup};
 use crate::{Error, Result};
 
 /// How far apart the two start positions of a sewn vertex may be, relative to the size of the start pose.
@@ -55,6 +55,13 @@ pub struct Built {
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order.
     pub panels: Vec<BuiltPanel>,
+}
+
+impl Built {
+    /// What the base solve and the reference shell take.
+    pub fn setup(&self) -> Setup<'_> {
+        Setup::new(&self.topology, &self.rest, &self.material, &self.clamps)
+    }
 }
 
 /// Where a panel is in the surface.

@@ -91,6 +91,21 @@ impl MidEdgeBending {
         0.5 * bends.dot(&(element.stiffness * bends))
     }
 
+    /// Gradient (J/m) of the energy of face `f`, as in [`MidEdgeBending::derivatives`].
+    pub fn gradient(&self, f: usize, pose: &[Vec3]) -> ElementGradient {
+        let element = &self.elements[f];
+        let hinges = element.hinges(pose);
+        let moments = element.stiffness * bends(&hinges);
+        let mut gradient = ElementGradient::zeros();
+        for (k, hinge) in hinges.iter().enumerate() {
+            let Some(hinge) = hinge else { continue };
+            for (place, slope) in [k, (k + 1) % 3, (k + 2) % 3, 3 + k].into_iter().zip(hinge.gradient()) {
+                gradient.fixed_rows_mut::<3>(3 * place).add_assign(&(slope * moments[k]));
+            }
+        }
+        gradient
+    }
+
     /// Energy (J), gradient and Hessian of face `f` with the vertices at `pose` (`[V]`, m), in the coordinates of
     /// [`MidEdgeBending::vertices`]; rows of missing vertices are 0. With [`Convexity::Exact`] the Hessian is the true one,
     /// Σ Qₖₗ·∇sₖ∇sₗᵀ + Σ (Qs)ₖ·∇²sₖ; otherwise it is the first sum alone (Gauss–Newton), which is positive semidefinite and

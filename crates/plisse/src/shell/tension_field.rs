@@ -7,7 +7,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::linalg::small::{Convexity, convexify};
+use crate::linalg::small::Convexity;
 use crate::material::Material;
 use crate::mesh::{Mat2, Mat3, Mat3x2, Vec2, Vec3};
 use crate::rest::RestFace;
@@ -80,8 +80,30 @@ impl Membrane {
         self.scale * density
     }
 
+    /// Gradient (N) of the energy with the corners at `x` (m).
+    pub fn gradient(&self, x: &[Vec3; 3]) -> FaceGradient {
+        let f = self.deformation(x);
+        let e = f.transpose() * f - Mat2::identity();
+        let (principal, low) = principal_pair(&e);
+        let s = self.compressive_stiffness;
+        // The energy's slope is F·(stress) along each corner's gradient.
+        let mut stress = Mat2::zeros();
+        let state = self.state_of(&principal);
+        if state == FaceState::Mixed {
+            let high = Vec2::new(low.y, -low.x);
+            stress += high * high.transpose() * ((1.0 - s) * self.young * principal[1]);
+        }
+        stress += self.stress(&e) * if state == FaceState::Taut { 1.0 } else { s };
+        let force = f * stress * (2.0 * self.scale);
+        let mut gradient = FaceGradient::zeros();
+        for k in 0..3 {
+            gradient.fixed_rows_mut::<3>(3 * k).copy_from(&(force * self.gradients[k]));
+        }
+        gradient
+    }
+
     /// Energy (J), gradient and Hessian with the corners at `x` (m). The Hessian is positive semidefinite unless there is a
-    /// compressive stiffness and `convexity` is [`Convexity::Exact`].
+    /// compressive stiffness and `convexity` is [`Convexity::Exact`]: else the geometric part takes only tension into account.
     pub fn derivatives(&self, x: &[Vec3; 3], convexity: Convexity) -> (f64, FaceGradient, FaceHessian) {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
@@ -97,10 +119,10 @@ impl Membrane {
         }
         let share = if state == FaceState::Taut { 1.0 } else { s };
         if share > 0.0 {
-            let (w, g, h) = self.ordinary(&f, &e);
+            let (w, g, h) = self.ordinary(&f, &e, convexity);
             energy += share * w;
             gradient += g * share;
-            hessian += if state == FaceState::Taut { h } else { convexify(&(h * share), convexity) };
+            hessian += h * share;
         }
         (energy * self.scale, gradient * self.scale, hessian * self.scale)
     }
@@ -143,11 +165,17 @@ impl Membrane {
         (c * lambda * lambda, gradient, hessian)
     }
 
+    /// Derivative of the density of [`Membrane::ordinary`] by Ê (Pa).
+    fn stress(&self, e: &Mat2) -> Mat2 {
+        Mat2::identity() * (self.alpha * e.trace()) + e * (2.0 * self.beta)
+    }
+
     /// α/2·tr²Ê + β·tr(Ê²).
-    fn ordinary(&self, f: &Mat3x2, e: &Mat2) -> (f64, FaceGradient, FaceHessian) {
+    fn ordinary(&self, f: &Mat3x2, e: &Mat2, convexity: Convexity) -> (f64, FaceGradient, FaceHessian) {
         let (alpha, beta) = (self.alpha, self.beta);
         let trace = e.trace();
-        let stress = Mat2::identity() * (alpha * trace) + e * (2.0 * beta);
+        let stress = self.stress(e);
+        let tension = if convexity == Convexity::Exact { stress } else { positive_part(&stress) };
         let (mut gradient, mut hessian) = (FaceGradient::zeros(), FaceHessian::zeros());
         let moved = self.gradients.map(|g| f * g);
         let spread = f * f.transpose();
@@ -156,12 +184,19 @@ impl Membrane {
             for l in 0..3 {
                 let block = moved[k] * moved[l].transpose() * (4.0 * alpha)
                     + (spread * self.gradients[k].dot(&self.gradients[l]) + moved[l] * moved[k].transpose()) * (4.0 * beta)
-                    + Mat3::identity() * (2.0 * self.gradients[k].dot(&(stress * self.gradients[l])));
+                    + Mat3::identity() * (2.0 * self.gradients[k].dot(&(tension * self.gradients[l])));
                 hessian.fixed_view_mut::<3, 3>(3 * k, 3 * l).copy_from(&block);
             }
         }
         (alpha / 2.0 * trace * trace + beta * (e * e).trace(), gradient, hessian)
     }
+}
+
+/// `m` with its negative eigenvalues set to zero.
+fn positive_part(m: &Mat2) -> Mat2 {
+    let ([low, high], d) = principal_pair(m);
+    let e = Vec2::new(-d.y, d.x);
+    d * d.transpose() * low.max(0.0) + e * e.transpose() * high.max(0.0)
 }
 
 #[cfg(test)]
@@ -195,6 +230,9 @@ mod tests {
                 let at = |y: &[f64]| std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]));
                 let (energy, gradient, hessian) = m.derivatives(&x, Convexity::Exact);
                 assert!((energy - m.energy(&x)).abs() <= 1e-14 * energy.abs());
+                assert!((gradient - m.gradient(&x)).norm() <= 1e-14 * gradient.norm());
+                let convex = m.derivatives(&x, Convexity::Clamped).2;
+                assert!(eigen(&convex).0.into_iter().all(|value| value >= -1e-12 * convex.norm()));
                 if energy > 0.0 {
                     let e = gradient_error(&flat, 1.0, gradient.as_slice(), |y| m.energy(&at(y)));
                     assert!(e < 1e-8, "gradient {e:e} {state:?} {stiffness}");

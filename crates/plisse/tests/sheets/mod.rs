@@ -11,7 +11,7 @@ use plisse::mesh::sew::{Seam, reversed, sew};
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Silent;
 use plisse::rest::RestMetric;
-use plisse::shell::{BaseOptions, BaseReport, Clamps, solve_base};
+use plisse::shell::{BaseOptions, BaseReport, Clamps, Setup, solve_base};
 
 /// A surface, its rest metric and a pose.
 #[derive(Clone)]
@@ -50,6 +50,11 @@ impl Sheet {
     pub(crate) fn posed(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
         self.pose = self.pose.iter().map(|&p| map(p)).collect();
         self
+    }
+
+    /// The sheet held by `clamps`, without loads or obstacles.
+    pub(crate) fn setup<'a>(&'a self, material: &'a Material, clamps: &'a Clamps) -> Setup<'a> {
+        Setup::new(&self.topology, &self.rest, material, clamps)
     }
 
     /// Solves for the field.
@@ -105,8 +110,7 @@ pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
 /// [`twisted_cylinder`] after its base solve.
 pub(crate) fn twisted_cylinder_at_rest(edge_length_m: f64) -> (Sheet, BaseReport) {
     let (mut sheet, clamps) = twisted_cylinder(edge_length_m);
-    let (pose, report) =
-        solve_base(&sheet.topology, &sheet.rest, &sheet.pose, &clamps, &mylar(), &BaseOptions::default(), &Silent).unwrap();
+    let (pose, report) = solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &BaseOptions::default(), &Silent).unwrap();
     sheet.pose = pose;
     (sheet, report)
 }

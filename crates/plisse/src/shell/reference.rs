@@ -1,0 +1,111 @@
+//! The reference shell: St. Venant–Kirchhoff membrane and mid-edge bending by full Newton (appendix A and section 6 of [Chen 2021]).
+//! It shows wrinkles only where the mesh is fine enough for them; the wrinkle field is held against it.
+
+use std::time::Instant;
+
+use super::base::check_outcome;
+use super::equilibrium::{Bending, Equilibrium};
+use super::mid_edge_bending::MidEdgeBending;
+use super::setup::Setup;
+use super::start::{pin_rigid_motions, prepare};
+use crate::Result;
+use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::mesh::Vec3;
+use crate::mesh::scatter::Random;
+use crate::progress::Observer;
+
+/// How the reference shell is solved.
+#[derive(Clone, Debug)]
+pub struct ReferenceOptions {
+    /// Newton iterations at most.
+    pub iteration_limit: usize,
+    /// Largest gradient component at which the solve ends, in units of Young's modulus · thickness · size.
+    pub tolerance: f64,
+    /// Each free vertex starts up to this far (m) off its place along the normal, so that a flat surface can buckle at all.
+    pub imperfection_m: f64,
+    /// Chooses the imperfection.
+    pub seed: u64,
+}
+
+impl Default for ReferenceOptions {
+    fn default() -> Self {
+        Self { iteration_limit: 1000, tolerance: 1e-10, imperfection_m: 0.0, seed: 1 }
+    }
+}
+
+/// How the solve of the reference shell went.
+#[derive(Clone, Debug)]
+pub struct ReferenceReport {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Why they ended.
+    pub ending: Ending,
+    /// Energy of membrane, bending, loads and contact (J); loads have none at the start.
+    pub energy_joule: f64,
+    /// Largest gradient component (N).
+    pub gradient_newton: f64,
+    /// Faces that started inside an obstacle and were pushed out.
+    pub resolved_faces: Vec<usize>,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+/// The equilibrium (`[V]`, m) of the reference shell of `setup`, from the pose `start` (`[V]`, m) on: best the base surface on the
+/// same mesh (appendix F.4).
+///
+/// # Errors
+/// As [`super::solve_base`].
+pub fn solve_reference(
+    setup: &Setup<'_>,
+    start: &[Vec3],
+    options: &ReferenceOptions,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, ReferenceReport)> {
+    let begun = Instant::now();
+    setup.check()?;
+    let disturbed = disturb(setup, start, options);
+    let (mut pose, resolved_faces) = prepare(setup, &disturbed)?;
+    let mut held = setup.clamps.clone();
+    if setup.floats() {
+        pin_rigid_motions(setup.topology, &pose, &mut held);
+    }
+    let bending = MidEdgeBending::new(setup.topology, setup.rest, setup.material);
+    let mut problem = Equilibrium::new(setup, &held, &pose, 1.0, Bending::MidEdge(bending));
+    let x = problem.pack(&pose);
+    let newton = Options {
+        stage: "shell",
+        iteration_limit: options.iteration_limit,
+        tolerance: options.tolerance,
+        convexity: Convexity::Clamped,
+        ridge: 1e-14,
+        energy_unit_joule: problem.unit_joule(),
+    };
+    let outcome = minimise(&mut problem, &x, &newton, observer)?;
+    problem.unpack(&outcome.x, &mut pose);
+    check_outcome("shell", setup, outcome.energy, &pose)?;
+    let report = ReferenceReport {
+        iterations: outcome.iterations,
+        ending: outcome.ending,
+        energy_joule: outcome.energy * problem.unit_joule(),
+        gradient_newton: outcome.projected_gradient * problem.unit_joule() / setup.length_m(),
+        resolved_faces,
+        seconds: begun.elapsed().as_secs_f64(),
+    };
+    Ok((pose, report))
+}
+
+/// `start` with every vertex moved along its normal by a seeded random length.
+fn disturb(setup: &Setup<'_>, start: &[Vec3], options: &ReferenceOptions) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::zeros(); start.len()];
+    for face in &setup.topology.faces {
+        let [a, b, c] = face.map(|v| start[v]);
+        for &v in face {
+            normals[v] += (b - a).cross(&(c - a));
+        }
+    }
+    let mut random = Random(options.seed);
+    let move_by = |(p, normal): (&Vec3, &Vec3)| {
+        p + normal.try_normalize(0.0).unwrap_or_default() * (options.imperfection_m * (2.0 * random.unit() - 1.0))
+    };
+    start.iter().zip(&normals).map(move_by).collect()
+}

@@ -1,0 +1,117 @@
+//! A thin sheet and everything that acts on it from outside.
+
+use super::loads::Loads;
+use crate::material::Material;
+use crate::mesh::{Topology, Vec3};
+use crate::obstacle::Obstacle;
+use crate::rest::RestMetric;
+use crate::{Error, Result};
+
+/// What holds the surface: for each vertex and axis a target position (m), or nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Clamps {
+    /// `[V][3]` target of each coordinate (m), `None` where it is free.
+    pub targets: Vec<[Option<f64>; 3]>,
+}
+
+impl Clamps {
+    /// No clamps on `vertex_count` vertices.
+    pub fn none(vertex_count: usize) -> Self {
+        Self { targets: vec![[None; 3]; vertex_count] }
+    }
+
+    /// Holds all coordinates of vertex `v` at `position` (m).
+    pub fn hold(&mut self, v: usize, position: Vec3) {
+        self.targets[v] = [Some(position.x), Some(position.y), Some(position.z)];
+    }
+
+    /// `[V]` whether any coordinate of each vertex is held.
+    pub fn held(&self) -> Vec<bool> {
+        self.targets.iter().map(|t| t.iter().any(Option::is_some)).collect()
+    }
+}
+
+/// A thin sheet, what holds it, what pushes it, and what it may not enter.
+#[derive(Clone, Debug)]
+pub struct Setup<'a> {
+    /// Connectivity.
+    pub topology: &'a Topology,
+    /// `[F]` rest metric.
+    pub rest: &'a RestMetric,
+    /// The sheet's material.
+    pub material: &'a Material,
+    /// What is held, and where.
+    pub clamps: &'a Clamps,
+    /// What pushes.
+    pub loads: Loads,
+    /// Bodies that no vertex enters.
+    pub obstacles: &'a [Obstacle],
+    /// Distance (m) from an obstacle within which it pushes back; > 0.
+    pub contact_thickness_m: f64,
+}
+
+impl<'a> Setup<'a> {
+    /// A sheet that is only held: no loads, no obstacles.
+    pub fn new(topology: &'a Topology, rest: &'a RestMetric, material: &'a Material, clamps: &'a Clamps) -> Self {
+        Self { topology, rest, material, clamps, loads: Loads::default(), obstacles: &[], contact_thickness_m: 1e-3 }
+    }
+
+    /// Size of the sheet (m): side of a square of its rest area.
+    pub fn length_m(&self) -> f64 {
+        self.rest.area_m2().sqrt()
+    }
+
+    /// `[V]` rest area (m²) that belongs to each vertex: a third of its faces'.
+    pub fn vertex_area_m2(&self) -> Vec<f64> {
+        let mut area = vec![0.0; self.topology.vertex_count];
+        for (face, rest) in self.topology.faces.iter().zip(&self.rest.faces) {
+            for &v in face {
+                area[v] += rest.area_m2 / 3.0;
+            }
+        }
+        area
+    }
+
+    /// `[V]` forces (N) that do not depend on the pose: weight and point forces.
+    pub fn dead_forces_newton(&self) -> Vec<Vec3> {
+        let weight = self.loads.gravity_m_s2 * (self.loads.density_kg_m3 * self.material.thickness_m);
+        let mut forces: Vec<Vec3> = self.vertex_area_m2().into_iter().map(|area| weight * area).collect();
+        for &(v, force) in &self.loads.forces_newton {
+            forces[v] += force;
+        }
+        forces
+    }
+
+    /// Whether nothing but pressure and stiffness acts, so that rigid motions cost nothing.
+    pub(super) fn floats(&self) -> bool {
+        self.obstacles.is_empty()
+            && self.clamps.targets.iter().flatten().all(Option::is_none)
+            && self.dead_forces_newton().iter().all(|f| *f == Vec3::zeros())
+    }
+
+    /// All checks that the solvers need.
+    ///
+    /// # Errors
+    /// [`Error::Value`] if the sheet is not thin, pressure acts on an open surface, or nothing holds it against drifting away.
+    pub(super) fn check(&self) -> Result<()> {
+        self.material.check_thin(self.rest.area_m2())?;
+        if self.loads.pressure_pa != 0.0
+            && let Some(edge) = self.topology.edge_faces.iter().position(|faces| faces[1] == crate::mesh::NONE)
+        {
+            let [i, j] = self.topology.edges[edge];
+            let message = format!("the surface is open between vertices {i} and {j}; close it, or remove the pressure");
+            return Err(Error::value("pressure", message));
+        }
+        let net: Vec3 = self.dead_forces_newton().iter().sum();
+        let idle = self.loads.pressure_pa == 0.0 && self.dead_forces_newton().iter().all(|f| *f == Vec3::zeros());
+        for axis in 0..3 {
+            let pushed = net[axis] != 0.0 && self.obstacles.is_empty();
+            if self.clamps.targets.iter().all(|t| t[axis].is_none()) && (idle || pushed) {
+                let name = ["x", "y", "z"][axis];
+                let message = format!("nothing holds the surface along {name}; clamp at least one vertex in that direction");
+                return Err(Error::value("clamps", message));
+            }
+        }
+        Ok(())
+    }
+}
