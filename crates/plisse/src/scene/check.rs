@@ -212,7 +212,7 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
             for (c, corner) in corners_m.iter().enumerate() {
                 in_reach(&format!("{place}.corners_m[{c}]"), corner)?;
             }
-            Outline::Polygon { corners_m }
+            Outline::Polygon { corners_m, sides: Vec::new() }
         }
     })
 }
