@@ -48,6 +48,7 @@ pub mod io;
 pub mod linalg;
 pub mod material;
 pub mod mesh;
+pub mod obstacle;
 pub mod picture;
 pub mod progress;
 pub mod rest;
