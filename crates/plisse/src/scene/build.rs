@@ -1,4 +1,4 @@
-//! From a scene to what the solvers take: panels are cut and sewn, laid into space, and held.
+//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into space, held and pushed.
 
 use std::ops::Range;
 
@@ -7,10 +7,11 @@ use super::laid::Laid;
 use super::measure::{Probe, Quantity, cut};
 use super::read::in_file;
 use super::schema::{MeasureKind, Rule, Scene};
-use super::{garment, hold, panels};
+use super::{bodies, garment, hold, panels};
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
 use crate::mesh::{Topology, Vec2, Vec3};
+use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::{BaseOptions, Clamps, Loads};
 use crate::{Error, Result};
@@ -39,6 +40,8 @@ pub struct Built {
     pub clamps: Clamps,
     /// What pushes from outside. A closed part under pressure whose start has a volume has its outside outside.
     pub loads: Loads,
+    /// What the surface may not enter, in the scene's order.
+    pub obstacles: Vec<Obstacle>,
     /// Distance to obstacles (m) below which contact pushes back.
     pub contact_thickness_m: f64,
     /// The sheet's material.
@@ -80,7 +83,7 @@ pub struct BuiltPanel {
 /// [`Error::Value`] whose field is "file, dotted.field" for: a panel that cannot be cut (see [`Panel::new`]), sewn sides that
 /// do not start at the same place, a file that cannot be opened, a box without vertices, pressure in an open surface, clamps that
 /// contradict each other, a surface or a part of it that nothing holds in some direction, a measure whose line misses its panel.
-/// [`Error::Mesh`] with the file for what [`sew`] or [`worn::read`] refuses, [`Error::Parse`] for what is no OBJ file.
+/// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses, [`Error::Parse`] for what is no OBJ file.
 ///
 /// [`Panel::new`]: crate::mesh::panel::Panel::new
 /// [`sew`]: crate::mesh::sew::sew
@@ -108,6 +111,7 @@ fn build_unplaced(scene: &Scene) -> Result<Built> {
         rest,
         clamps,
         loads,
+        obstacles: bodies::obstacles(scene)?,
         contact_thickness_m: scene.contact.thickness_m.unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
         material: scene.checked_material()?,
         base: base_options(scene),

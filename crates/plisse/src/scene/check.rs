@@ -2,7 +2,7 @@
 
 use super::panels::{check_panel, side_names};
 use super::schema::{MeasureKind, Scene};
-use super::{garment, hold};
+use super::{bodies, garment, hold};
 use crate::field::Terms;
 use crate::material::Material;
 use crate::mesh::Vec3;
@@ -55,6 +55,7 @@ impl Scene {
             }
         }
         hold::check(self)?;
+        bodies::check(self)?;
         self.check_options()?;
         self.check_measures()
     }

@@ -250,3 +250,179 @@ pub(super) fn check_held(scene: &Scene, laid: &Laid, rest: &RestMetric, clamps: 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Built, build, parse};
+
+    const SHEET: &str = r#"
+        title = "sheet"
+        [material]
+        young_pa = 1e7
+        poisson = 0.3
+        thickness_m = 1e-3
+        density_kg_m3 = 400
+        [[panel]]
+        name = "p"
+        shape = "rectangle"
+        width_m = 1.0
+        height_m = 0.5
+        edge_length_m = 0.1
+    "#;
+    const BALLOON: &str = r#"
+        title = "balloon"
+        [material]
+        young_pa = 1e7
+        poisson = 0.3
+        thickness_m = 1e-3
+        [[panel]]
+        name = "front"
+        shape = "disk"
+        radius_m = 1.0
+        edge_length_m = 0.3
+        [[panel]]
+        name = "back"
+        shape = "disk"
+        radius_m = 1.0
+        edge_length_m = 0.3
+        [[seam]]
+        a = "front.rim"
+        b = "back.rim"
+    "#;
+    const LEFT: &str = "[[clamp]]\nside = \"p.left\"\n";
+    const GRAVITY: &str = "[load]\ngravity_m_s2 = [0.0, 0.0, -9.81]\n";
+
+    fn built(more: &str) -> Result<Built> {
+        build(&parse("s.toml", &format!("{SHEET}\n{more}"))?)
+    }
+
+    fn message(more: &str) -> String {
+        built(more).unwrap_err().to_string()
+    }
+
+    fn total(built: &Built) -> Vec3 {
+        built.loads.forces_newton.iter().map(|(_, force)| force).sum()
+    }
+
+    #[test]
+    fn forces_are_spread_and_keep_their_sum() {
+        let newton = Vec3::new(1.0, -2.0, 30.0);
+        let force = |place: &str| built(&format!("{LEFT}[[force]]\n{place}\nnewton = [1.0, -2.0, 30.0]")).unwrap();
+        for (place, count) in [
+            ("side = \"p.right\"", 6),
+            ("near_m = [0.52, 0.0, 0.3]", 1),
+            ("within_m = { low = [0.0, 0.5, 0.0], high = [1.0, 0.5, 0.0] }", 11),
+        ] {
+            let b = force(place);
+            assert_eq!(b.loads.forces_newton.len(), count, "{place}");
+            assert!((total(&b) - newton).norm() < 1e-12 * newton.norm(), "{place}");
+        }
+        // Along a side the ends get half as much: each edge gives half its share to each end.
+        let right = force("side = \"p.right\"");
+        for (k, (v, share)) in right.loads.forces_newton.iter().enumerate() {
+            assert_eq!(right.start[*v].x, 1.0);
+            let expected = newton / 5.0 * if k == 0 || k == 5 { 0.5 } else { 1.0 };
+            assert!((share - expected).norm() < 1e-13 * newton.norm(), "{k}");
+        }
+        // Its moment about the origin is that of the same force at the middle of the side.
+        let moment: Vec3 = right.loads.forces_newton.iter().map(|(v, f)| right.start[*v].cross(f)).sum();
+        assert!((moment - Vec3::new(1.0, 0.25, 0.0).cross(&newton)).norm() < 1e-12);
+        let near = force("near_m = [0.52, 0.0, 0.3]").loads.forces_newton[0].0;
+        assert_eq!(right.start[near], Vec3::new(0.5, 0.0, 0.0));
+        // Every vertex of a closed side gets the same.
+        let rim = "[[clamp]]\nside = \"front.rim\"\n[[force]]\nside = \"front.rim\"\nnewton = [0, 0, 21]";
+        let rim = build(&parse("s.toml", &format!("{BALLOON}{rim}")).unwrap()).unwrap();
+        assert_eq!(rim.loads.forces_newton.len(), 21);
+        assert!(rim.loads.forces_newton.iter().all(|(_, f)| (f.z - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn clamps_hold_a_vertex_or_a_box() {
+        let b = built("[[clamp]]\nnear_m = [0.0, 0.0, 9.0]\nmove_m = [0, 0, 1]").unwrap();
+        let held: Vec<usize> = (0..b.start.len()).filter(|&v| b.clamps.held()[v]).collect();
+        assert_eq!((held.len(), b.start[held[0]], b.clamps.targets[held[0]]), (1, Vec3::zeros(), [Some(0.0), Some(0.0), Some(1.0)]));
+        let b = built("[[clamp]]\nwithin_m = { low = [-1, -1, -1], high = [0.25, 1, 1] }").unwrap();
+        for (held, start) in b.clamps.held().iter().zip(&b.start) {
+            assert_eq!(*held, start.x <= 0.25);
+        }
+    }
+
+    #[test]
+    fn where_is_said_once_and_meets_vertices() {
+        let text = message("[[clamp]]\naxes = \"x\"");
+        assert!(text.starts_with("s.toml, clamp[0]: this does not say where; give one of side, near_m and within_m"), "{text}");
+        let text = message("[[force]]\nside = \"p.left\"\nnear_m = [0, 0, 0]\nnewton = [0, 0, 0]");
+        assert!(text.starts_with("s.toml, force[0]: this says where in several ways"), "{text}");
+        let text = message("[[clamp]]\nwithin_m = { low = [0, 0, 1], high = [1, 1, 2] }");
+        assert!(text.starts_with("s.toml, clamp[0].within_m: no vertex starts in this box; the start pose extends from [0.0"), "{text}");
+        assert!(text.contains("to [1.000000, 0.500000, 0.000000] m"), "{text}");
+        let text = message("[[force]]\nnewton = [0, 0, 1]\nwithin_m = { low = [0, 2, 0], high = [1, 1, 2] }");
+        assert!(text.contains("force[0].within_m: the box ends at y = 1 before it begins at 2"), "{text}");
+        assert!(message("[[clamp]]\nnear_m = [0, inf, 0]").contains("clamp[0].near_m: inf"));
+        assert!(message("[[force]]\nside = \"p.up\"\nnewton = [0, 0, 1]").contains("force[0].side: panel \"p\" has no side"));
+        assert!(message("[[force]]\nside = \"p.left\"\nnewton = [0, nan, 1]").contains("force[0].newton: NaN"));
+        let text = message(&format!("{LEFT}[[clamp]]\nnear_m = [0, 0, 0]\nmove_m = [0, 1, 0]"));
+        assert!(text.contains("clamp[1]: near_m = [0.0, 0.0, 0.0] takes a vertex to y = 1 m, but clamp[0] \"p.left\""), "{text}");
+    }
+
+    #[test]
+    fn loads_arrive_and_weight_needs_a_density() {
+        let b = built(&format!("{LEFT}{GRAVITY}")).unwrap();
+        assert_eq!((b.loads.density_kg_m3, b.loads.gravity_m_s2, b.loads.pressure_pa), (400.0, Vec3::new(0.0, 0.0, -9.81), 0.0));
+        let text = |density: &str| {
+            let scene = SHEET.replace("density_kg_m3 = 400", density) + LEFT + GRAVITY;
+            parse("s.toml", &scene).unwrap_err().to_string()
+        };
+        for density in ["", "density_kg_m3 = 0"] {
+            assert!(text(density).contains("s.toml, material.density_kg_m3: gravity needs a density above 0"), "{}", text(density));
+        }
+        assert!(text("density_kg_m3 = -1").contains("-1 is no density; give a number from 0 to 1e6"));
+        assert!(text("density_kg_m3 = nan").contains("NaN is no density"));
+        assert!(message("[load]\ngravity_m_s2 = [0, 0, inf]").contains("load.gravity_m_s2: inf"));
+        assert!(message("[load]\npressure_pa = nan").contains("load.pressure_pa: NaN"));
+    }
+
+    #[test]
+    fn pressure_needs_a_closed_surface_and_no_clamp() {
+        let text = message(&format!("{LEFT}[load]\npressure_pa = 600.0"));
+        assert!(text.starts_with("s.toml, load.pressure_pa: the surface is open at side \"p.bottom\"; sew every side or remove"), "{text}");
+        let b = build(&parse("s.toml", &format!("{BALLOON}[load]\npressure_pa = 600.0")).unwrap()).unwrap();
+        assert_eq!(b.loads.pressure_pa, 600.0);
+        assert!(b.clamps.held().iter().all(|held| !held));
+        let open = BALLOON.split("[[seam]]").next().unwrap();
+        let text = build(&parse("s.toml", &format!("{open}[load]\npressure_pa = 600.0")).unwrap()).unwrap_err().to_string();
+        assert!(text.contains("open at side \"front.rim\""), "{text}");
+    }
+
+    #[test]
+    fn what_weight_or_forces_would_carry_away_is_told() {
+        let text = message(GRAVITY);
+        assert!(
+            text.starts_with("s.toml, clamp: nothing holds panel \"p\" (or what it is sewn to) along z against its weight; clamp"),
+            "{text}"
+        );
+        assert!(text.contains("with z in axes, or put an obstacle under it"), "{text}");
+        // Held where the weight pulls, it needs nothing else.
+        assert!(built(&format!("{GRAVITY}{LEFT}axes = \"z\"")).is_ok());
+        let pull = |side: &str, x: f64| format!("[[force]]\nside = \"p.{side}\"\nnewton = [{x}, 0, 0]\n");
+        assert!(message(&pull("left", -1.0)).contains("along x against the forces on it"));
+        assert!(built(&format!("{}{}", pull("left", -0.3), pull("right", 0.3))).is_ok());
+        let both = message(&format!("{GRAVITY}[[force]]\nside = \"p.left\"\nnewton = [0, 0, 1e3]"));
+        assert!(both.contains("against its weight and the forces on it"), "{both}");
+        let floor = "[[obstacle]]\nname = \"floor\"\nkind = \"plane\"\npoint_m = [0, 0, -1]\nnormal = [0, 0, 1]\n";
+        assert!(built(&format!("{GRAVITY}{floor}")).is_ok());
+        // An obstacle is no reason to solve what nothing pushes.
+        assert!(message(floor).contains("clamp: nothing holds the surface; add at least one [[clamp]]"));
+    }
+
+    #[test]
+    fn every_part_is_judged_by_its_own_loads() {
+        let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3\n";
+        // The force acts on p, which is held; nothing moves q.
+        assert!(built(&format!("{other}{LEFT}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]")).is_ok());
+        assert!(message(&format!("{other}{LEFT}{GRAVITY}")).contains("nothing holds panel \"q\" (or what it is sewn to) along z"));
+        let apart = format!("{other}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]\n[[force]]\nside = \"q.rim\"\nnewton = [-1, 0, 0]");
+        assert!(message(&apart).contains("nothing holds panel \"p\""));
+    }
+}

@@ -4,6 +4,7 @@
 //! surface, start pose, clamps and loads of it, [`measure`](mod@measure) compares a solved field with what was published.
 //! `docs/scene-format.md` describes every field.
 
+mod bodies;
 pub mod build;
 mod check;
 mod garment;

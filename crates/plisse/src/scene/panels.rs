@@ -273,3 +273,99 @@ fn start(scene: &Scene, panels: &[BuiltPanel], seams: &[Seam<'_>], sewn: &Sewn, 
     }
     Ok(start)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Built, build, parse};
+
+    const HEAD: &str = "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
+
+    fn built(rest: &str) -> Result<Built> {
+        build(&parse("s.toml", &format!("{HEAD}{rest}"))?)
+    }
+
+    fn panel(name: &str, more: &str) -> String {
+        format!("[[panel]]\nname = \"{name}\"\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.5\nedge_length_m = 0.1\n{more}\n")
+    }
+
+    const CLAMP: &str = "[[clamp]]\nside = \"p.left\"\n";
+
+    #[test]
+    fn rolls_have_a_centre_and_a_start() {
+        let roll = |more: &str| built(&(panel("p", &format!("place = {{ kind = \"rolled\", radius_m = 2.0{more} }}")) + CLAMP)).unwrap();
+        let (plain, moved) = (roll(""), roll(", centre_m = [1.0, -2.0, 3.0], start_deg = 90"));
+        for (a, b) in plain.start.iter().zip(&moved.start) {
+            assert!((Vec3::new(1.0 - a.y, a.x - 2.0, a.z + 3.0) - b).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn sides_that_start_apart_meet_halfway() {
+        let text = |more: &str| {
+            let place = "place = { kind = \"flat\", origin_m = [1.5, 0.0, 0.25] }";
+            format!("{}{}[[seam]]\na = \"p.right\"\nb = \"q.left\"\nreversed = true\n{more}{CLAMP}", panel("p", ""), panel("q", place))
+        };
+        let refused = built(&text("")).unwrap_err().to_string();
+        assert!(refused.contains("seam[0]") && refused.contains("or set start_apart = true"), "{refused}");
+        let b = built(&text("start_apart = true\n")).unwrap();
+        let met: Vec<Vec3> = b.start.iter().copied().filter(|p| p.x == 1.25).collect();
+        assert_eq!(met.len(), 6);
+        assert!(met.iter().all(|p| p.z == 0.125));
+        // Nothing else moves, and the rest shape does not.
+        assert!(b.start.iter().all(|p| (p.x <= 1.0 && p.z == 0.0) || (p.x >= 1.5 && p.z == 0.25) || p.x == 1.25));
+        assert!((b.rest.area_m2() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn named_sides_are_sewn_and_clamped() {
+        let trapezium = |sides: &str| {
+            format!(
+                "[[panel]]\nname = \"p\"\nshape = \"polygon\"\ncorners_m = [[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]]\n{sides}\nedge_length_m = 0.2\n"
+            )
+        };
+        let sides = "sides = [{ name = \"hem\", corner = 0 }, { name = \"rest\", corner = 2 }]";
+        let b = built(&(trapezium(sides) + "[[clamp]]\nside = \"p.hem\"\n")).unwrap();
+        let held: Vec<Vec3> = (0..b.start.len()).filter(|&v| b.clamps.held()[v]).map(|v| b.start[v]).collect();
+        assert_eq!(held.len(), 11);
+        assert!(held.iter().all(|p| p.y == 0.0));
+        let refused = |sides: &str, clamp: &str| built(&(trapezium(sides) + clamp)).unwrap_err().to_string();
+        let clamp = "[[clamp]]\nside = \"p.hem\"\n";
+        assert!(refused(sides, "[[clamp]]\nside = \"p.0\"").contains("its sides are hem, rest"));
+        for (wrong, says) in [
+            ("sides = []", "panel[0].sides: this lists no side"),
+            ("sides = [{ name = \"hem\", corner = 5 }]", "panel[0].sides[0].corner: there is no corner 5"),
+            (
+                "sides = [{ name = \"hem\", corner = 3 }, { name = \"a\", corner = 1 }]",
+                "panel[0].sides[1].corner: corner 1 does not come after",
+            ),
+            (
+                "sides = [{ name = \"hem\", corner = 3 }, { name = \"hem\", corner = 4 }]",
+                "panel[0].sides[1].name: sides[0] is called \"hem\"",
+            ),
+            ("sides = [{ name = \"hem\", corner = 3 }, { name = \"\", corner = 4 }]", "panel[0].sides[1].name: this is empty"),
+            ("sides = [{ name = \"a.b\", corner = 3 }, { name = \"hem\", corner = 4 }]", "panel[0].sides[0].name: \"a.b\" has a dot"),
+        ] {
+            assert!(refused(wrong, clamp).contains(says), "{wrong}: {}", refused(wrong, clamp));
+        }
+        // A polygon's only side is closed, and may be sewn to another such.
+        let pillow = trapezium("sides = [{ name = \"rim\", corner = 1 }]");
+        let two = pillow.clone() + &pillow.replace("\"p\"", "\"q\"") + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
+        let b = built(&two).unwrap();
+        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 2);
+    }
+
+    #[test]
+    fn structured_panels_are_rectangles_only() {
+        let b = built(&(panel("p", "mesh = \"falling\"\ncolumns = 4") + CLAMP)).unwrap();
+        assert_eq!((b.topology.face_count(), b.clamps.held().iter().filter(|h| **h).count()), (2 * 4 * 5, 6));
+        assert!(b.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.25 * 0.1).abs() < 1e-15));
+        let refused = |more: &str| built(&(panel("p", more) + CLAMP)).unwrap_err().to_string();
+        assert!(refused("rows = 3").contains("panel[0].rows: an irregular panel has none; choose mesh ="));
+        assert!(refused("mesh = \"rising\"\nrows = 0").contains("panel[0].rows: a panel cannot have 0"));
+        assert!(refused("mesh = \"wavy\"").contains("panel.mesh cannot be \"wavy\"; give one of irregular, rising, falling"));
+        assert!(refused("sides = [{ name = \"a\", corner = 0 }]").contains("panel[0].sides: only a polygon's sides"));
+        let disk = "[[panel]]\nname = \"p\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3\nmesh = \"rising\"\n";
+        assert!(built(disk).unwrap_err().to_string().contains("panel[0].mesh: only rectangles"));
+    }
+}

@@ -176,6 +176,14 @@ angle_deg = 10.0
 [[measure]]
 name = "m"
 kind = "largest_period"
+[[force]]
+side = "p.top"
+newton = [0.0, 0.0, 1.0]
+[[obstacle]]
+name = "floor"
+kind = "plane"
+point_m = [0.0, 0.0, -9.0]
+normal = [0.0, 0.0, 1.0]
 "#;
 
     fn message(text: &str) -> String {
@@ -225,7 +233,15 @@ kind = "largest_period"
                 found += 1;
             }
         }
-        assert_eq!(found, 19);
+        assert_eq!(found, 22);
+        assert!(after("[base]", "[mesh]\n[base]").contains("the table mesh has no worn; it must have worn"));
+        assert!(
+            after("turn = {", "within_m = { low = [0, 0, 0] }\nturn = {").contains("clamp.within_m has no high; it must have low, high")
+        );
+        let side = "place = { kind = \"rolled\"";
+        assert!(
+            after(side, &format!("sides = [{{ name = \"a\" }}]\n{side}")).contains("panel.sides has no corner; it must have name, corner")
+        );
         assert!(after("kind = \"rolled\", radius_m = 1.0", "kind = \"rolled\"").contains("if rolled has no radius_m"));
         let text = message("title = \"t\"\n");
         assert!(text.contains("the scene has no material; it must have title, material, panel"), "{text}");
@@ -267,8 +283,10 @@ kind = "largest_period"
     #[test]
     fn the_documents_example_runs_and_its_tables_name_every_field() {
         let manual = include_str!("../../../../docs/scene-format.md");
-        let example = manual.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-        assert!(build(&parse("manual.toml", example).unwrap()).is_ok());
+        let examples: Vec<&str> = manual.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+        let built: Vec<_> = examples.iter().map(|text| build(&parse("manual.toml", text).unwrap()).unwrap()).collect();
+        assert_eq!(built.len(), 2);
+        assert!(built[1].obstacles.len() == 1 && built[1].clamps.held().iter().all(|held| !held), "the second is hung at nothing");
         for (table, more) in [
             ("", "zz = 1\n"),
             ("material", "[material]\nzz = 1\n"),
@@ -276,6 +294,15 @@ kind = "largest_period"
             ("seam", "[[seam]]\nzz = 1\n"),
             ("clamp", "[[clamp]]\nzz = 1\n"),
             ("turn", "[[clamp]]\nturn = { zz = 1 }\n"),
+            ("within_m", "[[clamp]]\nwithin_m = { zz = 1 }\n"),
+            ("sides", "[[panel]]\nsides = [{ zz = 1 }]\n"),
+            ("place", "[[panel]]\nplace = { kind = \"rolled\", radius_m = 1, zz = 1 }\n"),
+            ("mesh", "[mesh]\nzz = 1\n"),
+            ("load", "[load]\nzz = 1\n"),
+            ("force", "[[force]]\nzz = 1\n"),
+            ("contact", "[contact]\nzz = 1\n"),
+            ("obstacle", "[[obstacle]]\nzz = 1\n"),
+            ("turn of an obstacle", "[[obstacle]]\nturn = { zz = 1 }\n"),
             ("base", "[base]\nzz = 1\n"),
             ("field", "[field]\nzz = 1\n"),
             ("surface", "[surface]\nzz = 1\n"),
