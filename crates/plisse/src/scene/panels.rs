@@ -349,8 +349,14 @@ mod tests {
             assert!(refused(wrong, clamp).contains(says), "{wrong}: {}", refused(wrong, clamp));
         }
         // A polygon's only side is closed, and may be sewn to another such.
-        let pillow = trapezium("sides = [{ name = \"rim\", corner = 1 }]");
-        let two = pillow.clone() + &pillow.replace("\"p\"", "\"q\"") + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
+        let corners: Vec<[f64; 2]> = (0..8).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos()).map(|(s, c)| [c, s]).collect();
+        let octagon = |name: &str| {
+            format!(
+                "[[panel]]\nname = \"{name}\"\nshape = \"polygon\"\ncorners_m = {corners:?}\nedge_length_m = 0.2\n\
+                 sides = [{{ name = \"rim\", corner = 1 }}]\n"
+            )
+        };
+        let two = octagon("p") + &octagon("q") + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
         let b = built(&two).unwrap();
         assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 2);
     }
