@@ -4,7 +4,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use plisse::Result;
-use plisse::mesh::Vec3;
 use plisse::scene;
 use plisse::shell::{BaseReport, solve_base};
 
@@ -27,14 +26,13 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     with_threads(arguments.output.threads, || {
         let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
         bars.finish();
-        let rest_positions: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let posed = Posed {
             title: &built.title,
             paper: Some(built.paper.as_str()).filter(|paper| !paper.is_empty()),
             topology: &built.topology,
             rest: &built.rest,
-            rest_shape: (&rest_positions, &built.rest_faces),
-            texture: panel_texture(&rest_positions, &built.rest_faces),
+            rest_shape: (&built.rest_positions, &built.rest_faces),
+            texture: panel_texture(&built.rest_positions, &built.rest_faces),
             pose: &pose,
             held: &built.clamps.held(),
             material: &built.material,
@@ -44,7 +42,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             v2: built.v2,
             up: Up::Z,
             base: Some(&base),
-            notes: base_notes(&base),
+            notes: built.notes.iter().cloned().chain(base_notes(&base)).collect(),
         };
         finish(posed, &arguments.output, folder, &bars, interrupted, begun, |field, report| scene::measure(&built, field, report))
     })

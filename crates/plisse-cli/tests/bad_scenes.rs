@@ -162,6 +162,44 @@ fn wrong_values_name_file_and_field() {
 }
 
 #[test]
+fn seams_loads_and_meshes_that_do_not_fit_are_told() {
+    for (n, (from, to, needles)) in [
+        ("a = \"p.top\"", "a = \"z.top\"", &["seam[0].a", "\"z\"", "p, q, r"][..]),
+        ("a = \"p.top\"\nb = \"r.bottom\"", "a = \"p.right\"\nb = \"q.right\"", &["seam 0", "equally long"]),
+        ("[surface]", "[load]\npressure_pa = 600.0\n\n[surface]", &["load.pressure_pa", "open at side \"p.bottom\"", "sew every side"]),
+        ("[surface]", "[load]\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\n[surface]", &["material.density_kg_m3", "gravity needs a density"]),
+        ("[surface]", "[mesh]\nworn = \"worn.obj\"\nmetres_per_uv = 1.0\n\n[surface]", &["mesh", "panels and a mesh", "keep one"]),
+        ("[surface]", "[[force]]\nnewton = [0.0, 0.0, 1.0]\n\n[surface]", &["force[0]", "side, near_m and within_m"]),
+        (
+            "[surface]",
+            "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"none.obj\"\n\n[surface]",
+            &["obstacle[0].file", "none.obj", "spelling"],
+        ),
+        (
+            "side = \"q.left\"",
+            "within_m = { low = [5.0, 5.0, 5.0], high = [6.0, 6.0, 6.0] }",
+            &["clamp[2].within_m", "no vertex starts in this box", "[2.000000, 1.000000, 0.000000]"],
+        ),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        refuse(&format!("fit-{n}.toml"), spoilt(from, to), needles);
+    }
+}
+
+#[test]
+fn an_obstacle_with_holes_is_told() {
+    let folder = Folder::new("holes");
+    folder.write("block.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+    let scene = folder
+        .write("holes.toml", spoilt("[surface]", "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"block.obj\"\n\n[surface]"));
+    let out = folder.0.join("out");
+    let output = plisse().arg("solve").arg(&scene).arg("-o").arg(&out).output().unwrap();
+    assert_refused(&output, &out, &["holes.toml", "obstacle[0]", "block.obj", "has holes", "close the mesh"]);
+}
+
+#[test]
 fn levels_that_would_make_too_many_faces_are_refused_before_the_solve() {
     // More than 50,000 faces: six levels make more than 200 million.
     let fine = SCENE.replace("edge_length_m = 0.1", "edge_length_m = 0.008").replace("levels = 1", "levels = 6");

@@ -10,7 +10,7 @@
 //! ```
 //! use plisse::progress::Silent;
 //! use plisse::surface::{Displacement, displace, upsample};
-//! use plisse::{field, mesh::Vec3, scene, shell};
+//! use plisse::{field, scene, shell};
 //!
 //! let text = r#"
 //!     title = "A sheet pulled along x"
@@ -36,8 +36,7 @@
 //! let solved = field::solve(topology, rest, &pose, &built.clamps.held(), material, &built.field, &Silent)?;
 //! assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
 //!
-//! let flat: Vec<Vec3> = built.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-//! let fine = upsample(topology, &pose, &solved.field, &flat, &built.rest_faces, 2);
+//! let fine = upsample(topology, &pose, &solved.field, &built.rest_positions, &built.rest_faces, 2);
 //! let wrinkled = displace(&fine, &Displacement { v2: true, v1: None });
 //! assert_eq!(wrinkled.len(), fine.topology.vertex_count);
 //! # Ok::<(), plisse::Error>(())

@@ -1,7 +1,7 @@
 //! Flat panels: an outline, its sides divided evenly, its inside triangulated at random.
 //!
 //! Deliberately irregular: on a structured mesh the edges prefer a few directions, and wrinkles follow them instead of
-//! the physics. The inside is a maximal Poisson-disk sample, joined by a constrained Delaunay triangulation.
+//! the physics ([`super::grid`] makes such meshes on purpose). The inside is a maximal Poisson-disk sample, joined by a constrained Delaunay triangulation.
 //! Where sides are longer than an edge length and meet at 60 degrees or more, all angles are about 30 degrees or more;
 //! sharper corners, necks and sides narrower than an edge length give thinner triangles, for nothing is graded.
 
@@ -14,7 +14,7 @@ use super::{Vec2, scatter::scatter};
 use crate::{Error, Result};
 
 /// Most vertices a panel may have, about.
-const MAX_VERTICES: f64 = 2e6;
+pub(super) const MAX_VERTICES: f64 = 2e6;
 /// Most edge-length squares that a panel's bounding box may hold (it bounds memory for panels that fill little of their box).
 const MAX_BOX: f64 = 2e7;
 /// Least distance of two inner vertices, in edge lengths: a maximal sample's mean edge is longer than its least one.
@@ -51,7 +51,16 @@ pub enum Outline {
     Polygon {
         /// `[corners][2]` corners in order (m).
         corners_m: Vec<[f64; 2]>,
+        /// Corner at which each side begins, ascending, and the side's name. A side runs through the corners that are not
+        /// listed to the next one that is; the last runs through corner 0 to the first. With one entry, the side is closed.
+        /// Empty: every corner begins a side that is called by its number.
+        sides: Vec<(usize, String)>,
     },
+}
+
+impl Outline {
+    /// Names of a rectangle's sides.
+    pub const RECTANGLE_SIDES: [&'static str; 4] = ["bottom", "right", "top", "left"];
 }
 
 /// A flat triangulated panel. Its boundary vertices come first, in the order of the sides.
@@ -74,7 +83,8 @@ impl Panel {
     /// # Errors
     /// [`Error::Value`] naming `place`.field for: a size that is not a positive number, an edge length that is longer than
     /// the panel is wide or asks for more than 2 million vertices, an annulus with inner ≥ outer radius, a polygon with fewer
-    /// than 3 corners, a repeated corner, or sides that touch or cross.
+    /// than 3 corners, a repeated corner, sides that touch or cross, named sides that begin at no corner, out of order or
+    /// with a name that is taken.
     pub fn new(place: &str, outline: &Outline, edge_length_m: f64, seed: u64) -> Result<Self> {
         check_sizes(place, outline, edge_length_m)?;
         let boundary = Boundary::new(outline, edge_length_m);
@@ -114,19 +124,38 @@ impl Boundary {
             &Outline::Rectangle { width_m: w, height_m: h } => {
                 let corners = [Vec2::new(0.0, 0.0), Vec2::new(w, 0.0), Vec2::new(w, h), Vec2::new(0.0, h)];
                 boundary.add_polygon(&corners, edge_length_m);
-                boundary.side_names = ["bottom", "right", "top", "left"].map(String::from).to_vec();
+                boundary.side_names = Outline::RECTANGLE_SIDES.map(String::from).to_vec();
             }
             &Outline::Disk { radius_m } => boundary.add_circle("rim", radius_m, edge_length_m),
             &Outline::Annulus { inner_radius_m, outer_radius_m } => {
                 boundary.add_circle("outer", outer_radius_m, edge_length_m);
                 boundary.add_circle("inner", inner_radius_m, edge_length_m);
             }
-            Outline::Polygon { corners_m } => {
+            Outline::Polygon { corners_m, sides } => {
                 boundary.add_polygon(&corners_m.iter().map(|&c| Vec2::from(c)).collect::<Vec<_>>(), edge_length_m);
                 boundary.side_names = (0..corners_m.len()).map(|s| s.to_string()).collect();
+                boundary.join_sides(sides);
             }
         }
         boundary
+    }
+
+    /// Joins the sides between corners to those that `named` lists, see [`Outline::Polygon`].
+    fn join_sides(&mut self, named: &[(usize, String)]) {
+        if named.is_empty() {
+            return;
+        }
+        let straight = std::mem::take(&mut self.sides);
+        self.side_names = named.iter().map(|(_, name)| name.clone()).collect();
+        for (n, &(start, _)) in named.iter().enumerate() {
+            let end = if n + 1 < named.len() { named[n + 1].0 } else { straight.len() + named[0].0 };
+            let mut chain: Vec<usize> =
+                (start..end).flat_map(|s| straight[s % straight.len()].split_last().expect("sides have ends").1).copied().collect();
+            if named.len() > 1 {
+                chain.push(straight[end % straight.len()][0]);
+            }
+            self.sides.push(chain);
+        }
     }
 
     fn add_polygon(&mut self, corners: &[Vec2], edge_length_m: f64) {
@@ -226,7 +255,10 @@ fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()>
             }
             (outer - inner, PI * (outer + inner) * (outer - inner), 4.0 * outer * outer, TAU * (outer + inner))
         }
-        Outline::Polygon { corners_m } => check_polygon(place, corners_m)?,
+        Outline::Polygon { corners_m, sides } => {
+            check_sides(place, corners_m.len(), sides)?;
+            check_polygon(place, corners_m)?
+        }
     };
     let field = format!("{place}.edge_length_m");
     if edge_length_m > narrowest * (1.0 + 1e-9) {
@@ -245,6 +277,26 @@ fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()>
 
 fn touching(place: &str, what: &str) -> Error {
     Error::value(format!("{place}.corners_m"), format!("{what}; give corners of a polygon whose sides do not touch or cross"))
+}
+
+/// The sides that a polygon with `corner_count` corners may have.
+fn check_sides(place: &str, corner_count: usize, sides: &[(usize, String)]) -> Result<()> {
+    for (n, (corner, name)) in sides.iter().enumerate() {
+        if *corner >= corner_count {
+            let message = format!("there is no corner {corner}; the {corner_count} corners are counted from 0");
+            return Err(Error::value(format!("{place}.sides[{n}].corner"), message));
+        }
+        if n > 0 && *corner <= sides[n - 1].0 {
+            let message =
+                format!("corner {corner} does not come after corner {}; list the sides in the order of their corners", sides[n - 1].0);
+            return Err(Error::value(format!("{place}.sides[{n}].corner"), message));
+        }
+        if let Some(m) = sides[..n].iter().position(|(_, other)| other == name) {
+            let message = format!("sides[{m}] is called \"{name}\", too; give each side a name of its own");
+            return Err(Error::value(format!("{place}.sides[{n}].name"), message));
+        }
+    }
+    Ok(())
 }
 
 /// Narrowest extent of the bounding box, area, bounding box area and perimeter of a valid polygon.
@@ -326,6 +378,11 @@ mod tests {
         let t = topology(panel);
         let wanted = (0..t.edge_count()).filter(|&e| !(inner_only && t.is_boundary_edge(e)));
         wanted.map(|e| panel.positions[t.edges[e][1]] - panel.positions[t.edges[e][0]]).collect()
+    }
+
+    /// A polygon with a side from each corner.
+    fn plain(corners_m: Vec<[f64; 2]>) -> Outline {
+        Outline::Polygon { corners_m, sides: Vec::new() }
     }
 
     /// Outlines of several shapes with the edge lengths at which they are tried.
@@ -421,7 +478,7 @@ mod tests {
     fn polygons_of_either_sense_and_with_dents_are_filled() {
         let mut corners_m = vec![[0.0, 0.0], [2.0, 0.1], [2.0, 1.1], [1.0, 1.0], [0.9, 2.1], [-0.1, 2.0]];
         for _ in 0..2 {
-            let panel = Panel::new("p", &Outline::Polygon { corners_m: corners_m.clone() }, 0.1, 1).unwrap();
+            let panel = Panel::new("p", &plain(corners_m.clone()), 0.1, 1).unwrap();
             let c = |i: usize| Vec2::from(corners_m[i % 6]);
             let expected = 0.5 * (0..6).map(|i| c(i).perp(&c(i + 1))).sum::<f64>().abs();
             assert!((area(&panel) / expected - 1.0).abs() < 1e-12);
@@ -433,6 +490,37 @@ mod tests {
             }
             corners_m.reverse();
         }
+    }
+
+    #[test]
+    fn named_sides_run_through_corners_that_are_not_listed() {
+        let corners_m = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.1], [2.0, 1.1], [1.0, 1.0], [0.0, 1.0]];
+        let named = |list: &[(usize, &str)]| {
+            let sides = list.iter().map(|&(corner, name)| (corner, name.to_owned())).collect();
+            Panel::new("p", &Outline::Polygon { corners_m: corners_m.clone(), sides }, 0.1, 1)
+        };
+        let every = Panel::new("p", &plain(corners_m.clone()), 0.1, 1).unwrap();
+        let joined = |sides: &[usize]| {
+            let mut chain = every.sides[sides[0]].clone();
+            sides[1..].iter().for_each(|&s| chain.extend(&every.sides[s][1..]));
+            chain
+        };
+        let panel = named(&[(1, "hem"), (3, "right"), (4, "top")]).unwrap();
+        assert_eq!((&panel.positions, &panel.faces), (&every.positions, &every.faces));
+        assert_eq!(panel.side_names, ["hem", "right", "top"]);
+        assert_eq!(panel.side("hem").unwrap(), joined(&[1, 2]));
+        assert_eq!(panel.side("right").unwrap(), joined(&[3]));
+        assert_eq!(panel.side("top").unwrap(), joined(&[4, 5, 0]));
+        // One side alone is closed: each vertex once.
+        let around = named(&[(2, "rim")]).unwrap();
+        let mut closed = joined(&[2, 3, 4, 5, 0, 1]);
+        assert_eq!(closed.pop(), Some(closed[0]));
+        assert_eq!(around.sides, [closed]);
+        let says = |list| named(list).unwrap_err().to_string();
+        assert!(says(&[(6, "a")]).starts_with("p.sides[0].corner: there is no corner 6"));
+        assert!(says(&[(2, "a"), (2, "b")]).starts_with("p.sides[1].corner: corner 2 does not come after corner 2"));
+        assert!(says(&[(2, "a"), (1, "b")]).contains("list the sides in the order"));
+        assert!(says(&[(1, "a"), (2, "b"), (3, "a")]).starts_with("p.sides[2].name: sides[0] is called \"a\", too"));
     }
 
     #[test]
@@ -454,7 +542,7 @@ mod tests {
         assert_eq!((hexagon.positions.len(), hexagon.faces.len()), (7, 6));
         let square = Panel::new("p", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 1.0, 0).unwrap();
         assert_eq!(square.faces.len(), 2);
-        let triangle = Outline::Polygon { corners_m: vec![[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]] };
+        let triangle = plain(vec![[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
         assert_eq!(Panel::new("p", &triangle, 0.9, 0).unwrap().faces.len(), 2);
         topology(&Panel::new("p", &Outline::Annulus { inner_radius_m: 1.0, outer_radius_m: 1.3 }, 0.3, 0).unwrap());
     }
@@ -471,7 +559,7 @@ mod tests {
     #[test]
     fn unusable_outlines_are_named() {
         let message = |outline: Outline, length| Panel::new("panels.0", &outline, length, 0).unwrap_err().to_string();
-        let polygon = |c: &[[f64; 2]]| message(Outline::Polygon { corners_m: c.to_vec() }, 0.1);
+        let polygon = |c: &[[f64; 2]]| message(plain(c.to_vec()), 0.1);
         let rectangle = |width_m, height_m, length| message(Outline::Rectangle { width_m, height_m }, length);
         assert!(rectangle(f64::NAN, 1.0, 0.1).starts_with("panels.0.width_m: NaN"));
         assert!(rectangle(1.0, -2.0, 0.1).starts_with("panels.0.height_m: -2"));

@@ -81,6 +81,7 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
         rest_faces.extend(panel.faces.iter().map(|face| face.map(|v| first_rest[p] + v)));
         panel_of_face.resize(rest_faces.len(), p);
     }
+    turn_doubled_ears(&mut rest_faces, &vertex_of_rest);
     let mut faces: Vec<[usize; 3]> = rest_faces.iter().map(|face| face.map(|r| vertex_of_rest[r])).collect();
     let flipped = panels_to_flip(place, panels.len(), &faces, &panel_of_face)?;
     for f in 0..faces.len() {
@@ -92,6 +93,29 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     let topology = Topology::new(place, vertex_count, faces)?;
     let rest_positions = panels.iter().flat_map(|panel| panel.positions.iter().copied()).collect();
     Ok(Sewn { topology, rest_positions, rest_faces, vertex_of_rest, flipped })
+}
+
+/// Where both of two sewn panels cut the same corner off with one face, the two faces would lie on each other and four would meet
+/// at one edge. There the edge of the second pair is turned to the other diagonal.
+fn turn_doubled_ears(rest_faces: &mut [[usize; 3]], vertex_of_rest: &[usize]) {
+    let mut sides: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(3 * rest_faces.len());
+    for (f, face) in rest_faces.iter().enumerate() {
+        for k in 0..3 {
+            let (i, j) = (vertex_of_rest[face[k]], vertex_of_rest[face[(k + 1) % 3]]);
+            sides.push(([i.min(j), i.max(j)], f, k));
+        }
+    }
+    sides.sort_unstable();
+    for same in sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 4) {
+        // Faces are in the order of their panels, so the last two belong together.
+        let [(_, f, k), (_, g, l)] = [same[2], same[3]];
+        let [a, b, c] = [0, 1, 2].map(|n| rest_faces[f][(k + n) % 3]);
+        let [d, e, opposite] = [0, 1, 2].map(|n| rest_faces[g][(l + n) % 3]);
+        if (a, b) == (e, d) {
+            rest_faces[f] = [c, a, opposite];
+            rest_faces[g] = [c, opposite, b];
+        }
+    }
 }
 
 /// Edges of one face only, lower vertex first, sorted.
@@ -203,6 +227,21 @@ fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_o
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_panels_that_cut_the_same_corners_make_a_pillow() {
+        let panel = Panel::new("p", &Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
+        let panels = [panel.clone(), panel.clone()];
+        let seams: Vec<Seam<'_>> = panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
+        let sewn = sew("pillow", &panels, &seams).unwrap();
+        assert!(sewn.topology.edge_faces.iter().all(|faces| faces[1] != crate::mesh::NONE));
+        let area = |f: &[usize; 3]| {
+            let [a, b, c] = f.map(|r| sewn.rest_positions[r]);
+            0.5 * (b - a).perp(&(c - a)).abs()
+        };
+        let total: f64 = sewn.rest_faces.iter().map(area).sum();
+        assert!((total - 2.0 * 1.4 * 0.74).abs() < 1e-12 && sewn.rest_faces.iter().all(|f| area(f) > 1e-4));
+    }
     use crate::mesh::panel::Outline;
 
     fn rectangle(width_m: f64, height_m: f64) -> Panel {

@@ -1,24 +1,23 @@
-//! From a scene to what the solvers take: panels are cut and sewn, laid into space, and held.
+//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into space, held and pushed.
 
 use std::ops::Range;
 
-use super::check::{RELAXED_INTEGRABILITY, outline, plane};
+use super::check::RELAXED_INTEGRABILITY;
+use super::laid::Laid;
 use super::measure::{Probe, Quantity, cut};
 use super::read::in_file;
-use super::schema::{ClampTable, MeasureKind, Place, Rule, Scene, Shape};
+use super::schema::{MeasureKind, Rule, Scene};
+use super::{bodies, garment, hold, panels};
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
-use crate::mesh::panel::Panel;
-use crate::mesh::sew::{Seam, Sewn, reversed, sew};
 use crate::mesh::{Topology, Vec2, Vec3};
+use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
-use crate::shell::{BaseOptions, Clamps, Setup};
+use crate::shell::{BaseOptions, Clamps, Loads, Setup};
 use crate::{Error, Result};
 
-/// How far apart the two start positions of a sewn vertex may be, relative to the size of the start pose.
-const SEAM_TOLERANCE: f64 = 1e-6;
-/// Targets that differ by less than this, relative to the size of the start pose, do not contradict each other.
-const CLAMP_TOLERANCE: f64 = 1e-9;
+/// Thickness of contact if the scene gives none, relative to the size of the start pose.
+const CONTACT_THICKNESS: f64 = 1e-3;
 
 /// A scene made ready for the solvers. V vertices, F faces, R ≥ V rest vertices.
 #[derive(Clone, Debug)]
@@ -31,14 +30,20 @@ pub struct Built {
     pub topology: Topology,
     /// `[F]` rest metric.
     pub rest: RestMetric,
-    /// `[R]` vertices of all panels, one panel after the other (m, each panel in its own plane).
-    pub rest_positions: Vec<Vec2>,
+    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z = 0; or of a mesh's rest shape.
+    pub rest_positions: Vec<Vec3>,
     /// `[F][3]` rest vertices of each face, corner by corner.
     pub rest_faces: Vec<[usize; 3]>,
     /// `[V]` start pose (m), before the clamps move.
     pub start: Vec<Vec3>,
     /// What is held, and where.
     pub clamps: Clamps,
+    /// What pushes from outside. A closed part under pressure whose start has a volume has its outside outside.
+    pub loads: Loads,
+    /// What the surface may not enter, in the scene's order.
+    pub obstacles: Vec<Obstacle>,
+    /// Distance to obstacles (m) below which contact pushes back.
+    pub contact_thickness_m: f64,
     /// The sheet's material.
     pub material: Material,
     /// How to solve the base surface.
@@ -53,14 +58,26 @@ pub struct Built {
     pub v2: bool,
     /// What to measure, for [`super::measure`](fn@super::measure).
     pub probes: Vec<Probe>,
-    /// The panels, in the scene's order.
+    /// The panels, in the scene's order; none if the scene has a mesh.
     pub panels: Vec<BuiltPanel>,
+    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files gave them.
+    pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// What readers of files passed over or mended, a sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Built {
     /// What the base solve and the reference shell take.
     pub fn setup(&self) -> Setup<'_> {
-        Setup::new(&self.topology, &self.rest, &self.material, &self.clamps)
+        Setup {
+            topology: &self.topology,
+            rest: &self.rest,
+            material: &self.material,
+            clamps: &self.clamps,
+            loads: self.loads.clone(),
+            obstacles: &self.obstacles,
+            contact_thickness_m: self.contact_thickness_m,
+        }
     }
 }
 
@@ -79,203 +96,53 @@ pub struct BuiltPanel {
 ///
 /// # Errors
 /// [`Error::Value`] whose field is "file, dotted.field" for: a panel that cannot be cut (see [`Panel::new`]), sewn sides that
-/// do not start at the same place, clamps that contradict each other, a surface or a part of it that nothing holds in some
-/// direction, a measure whose line misses its panel. [`Error::Mesh`] with the file for what [`sew`] refuses.
+/// do not start at the same place, a file that cannot be opened, a box without vertices, pressure in an open surface, clamps that
+/// contradict each other, a surface or a part of it that nothing holds in some direction, a measure whose line misses its panel.
+/// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses, [`Error::Parse`] for what is no OBJ file.
+///
+/// [`Panel::new`]: crate::mesh::panel::Panel::new
+/// [`sew`]: crate::mesh::sew::sew
+/// [`worn::read`]: crate::io::worn::read
 pub fn build(scene: &Scene) -> Result<Built> {
     build_unplaced(scene).map_err(|error| in_file(&scene.file, error))
 }
 
 fn build_unplaced(scene: &Scene) -> Result<Built> {
-    let place = scene.file.display().to_string();
-    let cut_panel = |(i, table)| {
-        let place = format!("panel[{i}]");
-        Panel::new(&place, &outline(&place, table)?, table.edge_length_m, table.seed)
+    let mut laid = match &scene.mesh {
+        Some(table) => garment::lay(scene, table)?,
+        None => panels::lay(scene)?,
     };
-    let panels: Vec<Panel> = scene.panel.iter().enumerate().map(cut_panel).collect::<Result<_>>()?;
-    let (mut built_panels, mut face, mut rest) = (Vec::new(), 0, 0);
-    for (panel, table) in panels.iter().zip(&scene.panel) {
-        let (faces, rest_vertices) = (face..face + panel.faces.len(), rest..rest + panel.positions.len());
-        (face, rest) = (faces.end, rest_vertices.end);
-        built_panels.push(BuiltPanel { name: table.name.clone(), faces, rest_vertices });
+    if scene.load.pressure_pa != 0.0 {
+        laid.check_closed()?;
+        laid.turn_outside_out(&scene.file.display().to_string())?;
     }
-    let side = |field: String, reference: &str| -> Result<(usize, &[usize])> {
-        let (p, name) = scene.side(&field, reference)?;
-        let missing = || Error::value(field, format!("panel {p} has no side \"{name}\"; name another one"));
-        Ok((p, panels[p].side(&name).ok_or_else(missing)?))
-    };
-
-    let mut chains = Vec::new();
-    for (i, seam) in scene.seam.iter().enumerate() {
-        let (a, b) = (side(format!("seam[{i}].a"), &seam.a)?, side(format!("seam[{i}].b"), &seam.b)?);
-        let closed = matches!(scene.panel[b.0].shape, Shape::Disk | Shape::Annulus);
-        let b_chain = match (seam.reversed, closed) {
-            (false, _) => b.1.to_vec(),
-            (true, false) => reversed(b.1),
-            (true, true) => b.1[..1].iter().copied().chain(b.1[1..].iter().rev().copied()).collect(),
-        };
-        chains.push((a, (b.0, b_chain)));
-    }
-    let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam { a: *a, b: (b.0, &b.1) }).collect();
-    let sewn = sew(&place, &panels, &seams)?;
-
-    let laid = lay(scene, &built_panels, &sewn.rest_positions)?;
-    let size = size(&laid);
-    for (i, seam) in seams.iter().enumerate() {
-        let at = |(p, v): (usize, usize)| laid[built_panels[p].rest_vertices.start + v];
-        for (&u, &v) in seam.a.1.iter().zip(seam.b.1) {
-            let apart = (at((seam.a.0, u)) - at((seam.b.0, v))).norm();
-            if apart > SEAM_TOLERANCE * size {
-                let message = format!(
-                    "\"{}\" and \"{}\" start {apart:.3e} m apart; place the panels so that sewn sides meet, or change reversed",
-                    scene.seam[i].a, scene.seam[i].b
-                );
-                return Err(Error::value(format!("seam[{i}]"), message));
-            }
-        }
-    }
-    let mut start = Vec::with_capacity(sewn.topology.vertex_count);
-    for (r, &v) in sewn.vertex_of_rest.iter().enumerate() {
-        // Vertices are numbered by their lowest rest vertex, so it comes first.
-        if v == start.len() {
-            start.push(laid[r]);
-        }
-    }
-
-    let mut holders = Holders::new(sewn.topology.vertex_count, CLAMP_TOLERANCE * size);
-    for (i, clamp) in scene.clamp.iter().enumerate() {
-        let (p, chain) = side(format!("clamp[{i}].side"), &clamp.side)?;
-        for &v in chain {
-            let vertex = sewn.vertex_of_rest[built_panels[p].rest_vertices.start + v];
-            holders.hold(scene, i, vertex, target(clamp, start[vertex]))?;
-        }
-    }
-    check_held(scene, &sewn, &built_panels, &holders.clamps)?;
-
-    let flat: Vec<Vec3> = sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-    let rest = RestMetric::from_shape(&place, &flat, &sewn.rest_faces)?;
-    let probes = probes(scene, &built_panels, &sewn)?;
+    let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
+    let clamps = hold::clamps(scene, &laid)?;
+    let loads = hold::loads(scene, &laid)?;
+    hold::check_held(scene, &laid, &rest, &clamps, &loads)?;
     Ok(Built {
         title: scene.title.clone(),
         paper: scene.paper.clone(),
         rest,
-        start,
-        clamps: holders.clamps,
+        clamps,
+        loads,
+        obstacles: bodies::obstacles(scene)?,
+        contact_thickness_m: scene.contact.thickness_m.unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
         material: scene.checked_material()?,
         base: base_options(scene),
         field: field_options(scene),
         levels: scene.surface.levels,
         v1: scene.surface.v1,
         v2: scene.surface.v2,
-        probes,
-        panels: built_panels,
-        topology: sewn.topology,
-        rest_positions: sewn.rest_positions,
-        rest_faces: sewn.rest_faces,
+        probes: probes(scene, &laid)?,
+        topology: laid.topology,
+        start: laid.start,
+        rest_positions: laid.rest_positions,
+        rest_faces: laid.rest_faces,
+        panels: laid.panels,
+        texture: laid.texture,
+        notes: laid.notes,
     })
-}
-
-/// `[R]` start position (m) of each rest vertex.
-fn lay(scene: &Scene, panels: &[BuiltPanel], rest_positions: &[Vec2]) -> Result<Vec<Vec3>> {
-    let mut laid = Vec::with_capacity(rest_positions.len());
-    for (i, (panel, table)) in panels.iter().zip(&scene.panel).enumerate() {
-        let flat = &rest_positions[panel.rest_vertices.clone()];
-        match table.place {
-            Place::Flat { origin_m, x_axis, y_axis } => {
-                let [x, y] = plane(&format!("panel[{i}]"), x_axis, y_axis)?;
-                laid.extend(flat.iter().map(|p| Vec3::from(origin_m) + x * p.x + y * p.y));
-            }
-            Place::Rolled { radius_m } => laid.extend(flat.iter().map(|p| {
-                let (sine, cosine) = (p.x / radius_m).sin_cos();
-                Vec3::new(radius_m * cosine, radius_m * sine, p.y)
-            })),
-        }
-    }
-    Ok(laid)
-}
-
-/// Diagonal of the bounding box (m).
-fn size(positions: &[Vec3]) -> f64 {
-    let (low, high) = positions.iter().fold((positions[0], positions[0]), |(l, h), p| (l.inf(p), h.sup(p)));
-    (high - low).norm()
-}
-
-/// Where `clamp` takes a point that starts at `start` (m): turned, then moved.
-fn target(clamp: &ClampTable, start: Vec3) -> Vec3 {
-    let turned = clamp.turn.map_or(start, |turn| {
-        let axis = nalgebra::Unit::new_normalize(Vec3::from(turn.axis));
-        let centre = Vec3::from(turn.centre_m);
-        centre + nalgebra::Rotation3::from_axis_angle(&axis, turn.angle_deg.to_radians()) * (start - centre)
-    });
-    turned + Vec3::from(clamp.move_m)
-}
-
-/// Clamps, and who set each of them.
-struct Holders {
-    clamps: Clamps,
-    /// `[V][3]` clamp of the scene that holds the coordinate.
-    by: Vec<[usize; 3]>,
-    tolerance_m: f64,
-}
-
-impl Holders {
-    fn new(vertex_count: usize, tolerance_m: f64) -> Self {
-        Self { clamps: Clamps::none(vertex_count), by: vec![[0; 3]; vertex_count], tolerance_m }
-    }
-
-    fn hold(&mut self, scene: &Scene, i: usize, vertex: usize, target: Vec3) -> Result<()> {
-        for (axis, letter) in ["x", "y", "z"].into_iter().enumerate().filter(|(_, letter)| scene.clamp[i].axes.contains(letter)) {
-            match self.clamps.targets[vertex][axis] {
-                None => {
-                    self.clamps.targets[vertex][axis] = Some(target[axis]);
-                    self.by[vertex][axis] = i;
-                }
-                Some(held) if (held - target[axis]).abs() > self.tolerance_m => {
-                    let j = self.by[vertex][axis];
-                    let message = format!(
-                        "\"{}\" takes a vertex to {letter} = {} m, but clamp[{j}] \"{}\" takes the same one to {held} m; \
-                         let only one of them hold {letter}, or move both alike",
-                        scene.clamp[i].side, target[axis], scene.clamp[j].side
-                    );
-                    return Err(Error::value(format!("clamp[{i}]"), message));
-                }
-                Some(_) => {}
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Every part of the surface must be held along every axis, or it could drift away.
-fn check_held(scene: &Scene, sewn: &Sewn, panels: &[BuiltPanel], clamps: &Clamps) -> Result<()> {
-    if scene.clamp.is_empty() {
-        return Err(Error::value("clamp", "nothing holds the surface; add at least one [[clamp]] with a side"));
-    }
-    // Panels that hang together have the same number.
-    let mut part: Vec<usize> = (0..panels.len()).collect();
-    let mut panels_of_vertex = vec![usize::MAX; sewn.topology.vertex_count];
-    for (p, panel) in panels.iter().enumerate() {
-        for &v in &sewn.vertex_of_rest[panel.rest_vertices.clone()] {
-            let first = panels_of_vertex[v];
-            if first == usize::MAX {
-                panels_of_vertex[v] = p;
-            } else if part[first] != part[p] {
-                let (low, high) = (part[first].min(part[p]), part[first].max(part[p]));
-                part.iter_mut().filter(|n| **n == high).for_each(|n| *n = low);
-            }
-        }
-    }
-    for (p, panel) in panels.iter().enumerate().filter(|(p, _)| part[*p] == *p) {
-        for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {
-            if !(0..sewn.topology.vertex_count).any(|v| part[panels_of_vertex[v]] == p && clamps.targets[v][axis].is_some()) {
-                let message = format!(
-                    "nothing holds panel \"{}\" (or what it is sewn to) along {letter}; clamp one of its sides with {letter} in axes",
-                    panel.name
-                );
-                return Err(Error::value("clamp", message));
-            }
-        }
-    }
-    Ok(())
 }
 
 fn base_options(scene: &Scene) -> BaseOptions {
@@ -312,7 +179,7 @@ fn field_options(scene: &Scene) -> FieldOptions {
     options
 }
 
-fn probes(scene: &Scene, panels: &[BuiltPanel], sewn: &Sewn) -> Result<Vec<Probe>> {
+fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
     let mut probes = Vec::new();
     for (i, table) in scene.measure.iter().enumerate() {
         let quantity = match table.kind {
@@ -322,9 +189,9 @@ fn probes(scene: &Scene, panels: &[BuiltPanel], sewn: &Sewn) -> Result<Vec<Probe
                 let (Some(from), Some(to)) = (table.from_m, table.to_m) else {
                     return Err(Error::value(format!("measure[{i}]"), "waves_along needs panel, from_m and to_m; give them"));
                 };
-                let panel = panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
+                let panel = laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
                 let faces = panel.map_or(0..0, |panel| panel.faces.clone());
-                let pieces = cut(from.into(), to.into(), faces, |f| sewn.rest_faces[f].map(|r| sewn.rest_positions[r]));
+                let pieces = cut(from.into(), to.into(), faces, |f| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy()));
                 if pieces.is_empty() {
                     let message = "the line to to_m misses the panel; give points in panel coordinates (m)";
                     return Err(Error::value(format!("measure[{i}].from_m"), message));

@@ -1,14 +1,17 @@
 //! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that belong to another shape.
 
-use super::schema::{MeasureKind, PanelTable, Place, Scene, Shape};
+use super::panels::{check_panel, side_names};
+use super::schema::{MeasureKind, Scene};
+use super::{bodies, garment, hold};
 use crate::field::Terms;
 use crate::material::Material;
 use crate::mesh::Vec3;
-use crate::mesh::panel::Outline;
 use crate::{Error, Result};
 
 /// Longest length and farthest coordinate (m): the squares of what lies beyond serve nobody.
 const FARTHEST_M: f64 = 1e9;
+/// Highest density (kg/m³), far above any material's.
+const MOST_DENSITY: f64 = 1e6;
 /// Most iterations one may ask for.
 const MOST_ITERATIONS: usize = 1_000_000;
 /// Most rings that curvature may be fitted to.
@@ -23,8 +26,19 @@ impl Scene {
     pub(super) fn check(&self) -> Result<()> {
         not_blank("title", &self.title)?;
         self.checked_material()?;
-        if self.panel.is_empty() {
-            return Err(Error::value("panel", "the scene has no panel; add at least one [[panel]]"));
+        self.check_loads()?;
+        match &self.mesh {
+            None if self.panel.is_empty() => {
+                return Err(Error::value("panel", "the scene has no panel and no mesh; add at least one [[panel]], or a [mesh]"));
+            }
+            None => {}
+            Some(_) if !self.panel.is_empty() => {
+                return Err(Error::value("mesh", "the scene has panels and a mesh; keep one of them"));
+            }
+            Some(_) if !self.seam.is_empty() => {
+                return Err(Error::value("seam", "a mesh is sewn already, and has no sides; remove the seams"));
+            }
+            Some(mesh) => garment::check(mesh)?,
         }
         for (i, panel) in self.panel.iter().enumerate() {
             check_panel(&format!("panel[{i}]"), panel)?;
@@ -40,7 +54,8 @@ impl Scene {
                 return Err(Error::value(format!("seam[{i}].b"), message));
             }
         }
-        self.check_clamps()?;
+        hold::check(self)?;
+        bodies::check(self)?;
         self.check_options()?;
         self.check_measures()
     }
@@ -63,6 +78,9 @@ impl Scene {
 
     /// Panel and side that `reference`, "panel.side", names.
     pub(super) fn side(&self, field: &str, reference: &str) -> Result<(usize, String)> {
+        if self.mesh.is_some() {
+            return Err(Error::value(field, "a mesh has no sides; use near_m or within_m"));
+        }
         let Some((panel, side)) = reference.rsplit_once('.') else {
             let message = format!("\"{reference}\" names no side; write it as \"panel.side\", such as \"{}\"", self.sides().join("\", \""));
             return Err(Error::value(field, message));
@@ -85,29 +103,31 @@ impl Scene {
     }
 
     fn no_panel(&self, field: &str, name: &str) -> Error {
+        if self.panel.is_empty() {
+            return Error::value(field, format!("a mesh has no panels, so there is no \"{name}\"; remove this, or give panels"));
+        }
         let names: Vec<&str> = self.panel.iter().map(|p| p.name.as_str()).collect();
         Error::value(field, format!("there is no panel \"{name}\"; the panels are {}", names.join(", ")))
     }
 
-    fn check_clamps(&self) -> Result<()> {
-        for (i, clamp) in self.clamp.iter().enumerate() {
-            let field = |name: &str| format!("clamp[{i}].{name}");
-            self.side(&field("side"), &clamp.side)?;
-            let letters: Vec<char> = clamp.axes.chars().collect();
-            let twice = letters.iter().enumerate().any(|(k, c)| letters[..k].contains(c));
-            if letters.is_empty() || twice || letters.iter().any(|c| !"xyz".contains(*c)) {
-                let message = format!("\"{}\" names no axes; give some of the letters x, y and z, each once", clamp.axes);
-                return Err(Error::value(field("axes"), message));
-            }
-            in_reach(&field("move_m"), &clamp.move_m)?;
-            if let Some(turn) = &clamp.turn {
-                direction(&field("turn.axis"), turn.axis)?;
-                in_reach(&field("turn.centre_m"), &turn.centre_m)?;
-                if turn.angle_deg.is_nan() || turn.angle_deg.abs() > 1e6 {
-                    let message = format!("{} is no usable angle; give degrees between -1e6 and 1e6", turn.angle_deg);
-                    return Err(Error::value(field("turn.angle_deg"), message));
-                }
-            }
+    fn check_loads(&self) -> Result<()> {
+        in_reach("load.gravity_m_s2", &self.load.gravity_m_s2)?;
+        in_reach("load.pressure_pa", &[self.load.pressure_pa])?;
+        let density = self.material.density_kg_m3;
+        let field = "material.density_kg_m3";
+        if let Some(density) = density
+            && !(0.0..=MOST_DENSITY).contains(&density)
+        {
+            return Err(Error::value(field, format!("{density} is no density; give a number from 0 to {MOST_DENSITY:e} kg/m³")));
+        }
+        if self.load.gravity_m_s2 != [0.0; 3] && density.is_none_or(|density| density == 0.0) {
+            return Err(Error::value(
+                field,
+                "gravity needs a density above 0; give it in kg/m³, such as 400.0 for cotton, or remove the gravity",
+            ));
+        }
+        if let Some(thickness) = self.contact.thickness_m {
+            positive("contact.thickness_m", thickness)?;
         }
         Ok(())
     }
@@ -176,45 +196,12 @@ impl Scene {
     }
 }
 
-/// The outline of a panel called `place` in errors.
-pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
-    let given = [
-        ("width_m", panel.width_m.is_some()),
-        ("height_m", panel.height_m.is_some()),
-        ("radius_m", panel.radius_m.is_some()),
-        ("inner_radius_m", panel.inner_radius_m.is_some()),
-        ("outer_radius_m", panel.outer_radius_m.is_some()),
-        ("corners_m", panel.corners_m.is_some()),
-    ];
-    let (shape, needed): (&str, &[&str]) = match panel.shape {
-        Shape::Rectangle => ("a rectangle", &["width_m", "height_m"]),
-        Shape::Disk => ("a disk", &["radius_m"]),
-        Shape::Annulus => ("an annulus", &["inner_radius_m", "outer_radius_m"]),
-        Shape::Polygon => ("a polygon", &["corners_m"]),
-    };
-    for (name, is_given) in given {
-        if is_given != needed.contains(&name) {
-            let what = if is_given { "has no such field; remove it" } else { "needs this; give it" };
-            let message = format!("{shape} {what} (its sizes: {})", needed.join(", "));
-            return Err(Error::value(format!("{place}.{name}"), message));
-        }
+/// An angle in degrees.
+pub(super) fn angle(field: &str, angle_deg: f64) -> Result<()> {
+    if angle_deg.is_nan() || angle_deg.abs() > 1e6 {
+        return Err(Error::value(field, format!("{angle_deg} is no usable angle; give degrees between -1e6 and 1e6")));
     }
-    let size = |name: &str, value: Option<f64>| positive(&format!("{place}.{name}"), value.unwrap_or_default());
-    Ok(match panel.shape {
-        Shape::Rectangle => Outline::Rectangle { width_m: size("width_m", panel.width_m)?, height_m: size("height_m", panel.height_m)? },
-        Shape::Disk => Outline::Disk { radius_m: size("radius_m", panel.radius_m)? },
-        Shape::Annulus => Outline::Annulus {
-            inner_radius_m: size("inner_radius_m", panel.inner_radius_m)?,
-            outer_radius_m: size("outer_radius_m", panel.outer_radius_m)?,
-        },
-        Shape::Polygon => {
-            let corners_m = panel.corners_m.clone().unwrap_or_default();
-            for (c, corner) in corners_m.iter().enumerate() {
-                in_reach(&format!("{place}.corners_m[{c}]"), corner)?;
-            }
-            Outline::Polygon { corners_m }
-        }
-    })
+    Ok(())
 }
 
 /// Unit vector along `axis`.
@@ -224,53 +211,11 @@ pub(super) fn direction(field: &str, axis: [f64; 3]) -> Result<Vec3> {
     axis.try_normalize(1e-100).ok_or_else(|| Error::value(field, "the axis has no length; give a direction such as [0.0, 0.0, 1.0]"))
 }
 
-/// Unit vectors along the axes of a flat place.
-pub(super) fn plane(place: &str, x_axis: [f64; 3], y_axis: [f64; 3]) -> Result<[Vec3; 2]> {
-    let x = direction(&format!("{place}.place.x_axis"), x_axis)?;
-    let y = direction(&format!("{place}.place.y_axis"), y_axis)?;
-    if x.dot(&y).abs() > 1e-9 {
-        let message = "the axes are not perpendicular, which would stretch the panel; give perpendicular ones";
-        return Err(Error::value(format!("{place}.place.y_axis"), message));
-    }
-    Ok([x, y])
-}
-
-fn check_panel(place: &str, panel: &PanelTable) -> Result<()> {
-    not_blank(&format!("{place}.name"), &panel.name)?;
-    if panel.name.contains('.') {
-        let message = format!("\"{}\" has a dot, which separates panel and side; write the name without", panel.name);
-        return Err(Error::value(format!("{place}.name"), message));
-    }
-    outline(place, panel)?;
-    positive(&format!("{place}.edge_length_m"), panel.edge_length_m)?;
-    match panel.place {
-        Place::Flat { origin_m, x_axis, y_axis } => {
-            in_reach(&format!("{place}.place.origin_m"), &origin_m)?;
-            plane(place, x_axis, y_axis)?;
-        }
-        Place::Rolled { radius_m } => {
-            positive(&format!("{place}.place.radius_m"), radius_m)?;
-        }
-    }
-    Ok(())
-}
-
-/// Names of a panel's sides, as [`Outline`] lists them.
-fn side_names(panel: &PanelTable) -> Vec<String> {
-    let names: &[&str] = match panel.shape {
-        Shape::Rectangle => &["bottom", "right", "top", "left"],
-        Shape::Disk => &["rim"],
-        Shape::Annulus => &["outer", "inner"],
-        Shape::Polygon => return (0..panel.corners_m.as_ref().map_or(0, Vec::len)).map(|side| side.to_string()).collect(),
-    };
-    names.iter().map(|&name| name.to_owned()).collect()
-}
-
-fn not_blank(field: &str, text: &str) -> Result<()> {
+pub(super) fn not_blank(field: &str, text: &str) -> Result<()> {
     if text.trim().is_empty() { Err(Error::value(field, "this is empty; write a name")) } else { Ok(()) }
 }
 
-fn positive(field: &str, value: f64) -> Result<f64> {
+pub(super) fn positive(field: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value <= FARTHEST_M {
         Ok(value)
     } else {
@@ -278,7 +223,7 @@ fn positive(field: &str, value: f64) -> Result<f64> {
     }
 }
 
-fn in_reach(field: &str, values: &[f64]) -> Result<()> {
+pub(super) fn in_reach(field: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
         None => Ok(()),
         Some(value) => Err(Error::value(field, format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"))),

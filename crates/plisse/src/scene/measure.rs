@@ -232,7 +232,7 @@ mod tests {
         for (e, &[i, j]) in any.topology.edges.iter().enumerate().filter(|(e, _)| any.topology.edge_faces[*e][1] < any.panels[0].faces.end)
         {
             // Vertices of the first panel are their own rest vertices.
-            let (from, to) = (any.rest_positions[i], any.rest_positions[j]);
+            let (from, to) = (any.rest_positions[i].xy(), any.rest_positions[j].xy());
             let built = balloon("front", from.into(), to.into());
             let Quantity::WavesAlong { pieces } = &built.probes[0].quantity else { panic!("not a line") };
             assert_eq!(pieces.iter().map(Vec::len).max(), Some(2), "edge {e} is shared by two faces");

@@ -1,13 +1,17 @@
-//! Scenes: a TOML file that says what is sewn, held and solved, and what was published about it.
+//! Scenes: a TOML file that says what is sewn, held, pushed and solved, and what was published about it.
 //!
 //! [`schema`] is the file's content, [`read`](mod@read) turns text into it and tells what is wrong in words, [`mod@build`] makes
-//! panels, start pose and clamps of it, [`measure`](mod@measure) compares a solved field with what was published.
-//! `docs/scene-format.md` describes every field. Limits: panels only (no mesh files), clamps along whole sides, no contact,
-//! no pressure and no gravity.
+//! surface, start pose, clamps and loads of it, [`measure`](mod@measure) compares a solved field with what was published.
+//! `docs/scene-format.md` describes every field.
 
+mod bodies;
 pub mod build;
 mod check;
+mod garment;
+mod hold;
+mod laid;
 pub mod measure;
+mod panels;
 pub mod read;
 pub mod schema;
 

@@ -6,15 +6,21 @@ use super::schema::Scene;
 use crate::{Error, Result};
 
 /// Fields that each table must have, by the table's header. A test holds this list against the schema.
-const REQUIRED: [(&str, &[&str]); 9] = [
-    ("", &["title", "material", "panel"]),
+const REQUIRED: [(&str, &[&str]); 15] = [
+    ("", &["title", "material", "panel or mesh"]),
     ("material", &["young_pa", "poisson", "thickness_m"]),
     ("panel", &["name", "shape", "edge_length_m"]),
     ("panel.place", &["kind"]),
     ("panel.place, if rolled", &["radius_m"]),
     ("seam", &["a", "b"]),
-    ("clamp", &["side"]),
+    ("panel.sides", &["name", "corner"]),
+    ("mesh", &["worn"]),
     ("clamp.turn", &["axis", "angle_deg"]),
+    ("clamp.within_m", &["low", "high"]),
+    ("force", &["newton"]),
+    ("force.within_m", &["low", "high"]),
+    ("obstacle", &["name", "kind"]),
+    ("obstacle.turn", &["axis", "angle_deg"]),
     ("measure", &["name", "kind"]),
 ];
 
@@ -56,7 +62,9 @@ pub(super) fn in_file(path: &Path, error: Error) -> Error {
 fn explain(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let offset = error.span().map_or(0, |span| span.start.min(text.len()));
     let line = 1 + text.as_bytes()[..offset].iter().filter(|&&b| b == b'\n').count();
-    let here = text.lines().nth(line - 1).unwrap_or_default().trim();
+    // An inline table on a line of its own belongs to the key above.
+    let lines = text.lines().take(line).map(str::trim);
+    let here = lines.filter(|l| !l.starts_with('{')).last().unwrap_or_default();
     let table = table_of(text, line);
     let key = if here.starts_with('[') { "" } else { here.split_once('=').map_or("", |(key, _)| key.trim()) };
     let dotted = [table, key].iter().filter(|part| !part.is_empty()).copied().collect::<Vec<_>>().join(".");
@@ -168,6 +176,14 @@ angle_deg = 10.0
 [[measure]]
 name = "m"
 kind = "largest_period"
+[[force]]
+side = "p.top"
+newton = [0.0, 0.0, 1.0]
+[[obstacle]]
+name = "floor"
+kind = "plane"
+point_m = [0.0, 0.0, -9.0]
+normal = [0.0, 0.0, 1.0]
 "#;
 
     fn message(text: &str) -> String {
@@ -184,7 +200,7 @@ kind = "largest_period"
     fn defaults_are_filled_in() {
         let scene = parse("s.toml", &format!("\u{feff}{FULL}")).unwrap();
         assert_eq!((scene.file.to_str(), scene.paper.as_str(), scene.panel[0].seed), (Some("s.toml"), "", 1));
-        assert_eq!(scene.panel[0].place, Place::Rolled { radius_m: 1.0 });
+        assert_eq!(scene.panel[0].place, Place::Rolled { radius_m: 1.0, centre_m: [0.0; 3], start_deg: 0.0 });
         assert_eq!(scene.panel[1].place, Place::Flat { origin_m: [0.0; 3], x_axis: [1.0, 0.0, 0.0], y_axis: [0.0, 1.0, 0.0] });
         assert!(!scene.seam[0].reversed && scene.surface.v2 && !scene.surface.v1);
         assert_eq!((scene.clamp[0].axes.as_str(), scene.clamp[0].move_m), ("xyz", [0.0; 3]));
@@ -217,7 +233,15 @@ kind = "largest_period"
                 found += 1;
             }
         }
-        assert_eq!(found, 21);
+        assert_eq!(found, 22);
+        assert!(after("[base]", "[mesh]\n[base]").contains("the table mesh has no worn; it must have worn"));
+        assert!(
+            after("turn = {", "within_m = { low = [0, 0, 0] }\nturn = {").contains("clamp.within_m has no high; it must have low, high")
+        );
+        let side = "place = { kind = \"rolled\"";
+        assert!(
+            after(side, &format!("sides = [{{ name = \"a\" }}]\n{side}")).contains("panel.sides has no corner; it must have name, corner")
+        );
         assert!(after("kind = \"rolled\", radius_m = 1.0", "kind = \"rolled\"").contains("if rolled has no radius_m"));
         let text = message("title = \"t\"\n");
         assert!(text.contains("the scene has no material; it must have title, material, panel"), "{text}");
@@ -259,8 +283,10 @@ kind = "largest_period"
     #[test]
     fn the_documents_example_runs_and_its_tables_name_every_field() {
         let manual = include_str!("../../../../docs/scene-format.md");
-        let example = manual.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
-        assert!(build(&parse("manual.toml", example).unwrap()).is_ok());
+        let examples: Vec<&str> = manual.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+        let built: Vec<_> = examples.iter().map(|text| build(&parse("manual.toml", text).unwrap()).unwrap()).collect();
+        assert_eq!(built.len(), 2);
+        assert!(built[1].obstacles.len() == 1 && built[1].clamps.held().iter().all(|held| !held), "the second is hung at nothing");
         for (table, more) in [
             ("", "zz = 1\n"),
             ("material", "[material]\nzz = 1\n"),
@@ -268,6 +294,15 @@ kind = "largest_period"
             ("seam", "[[seam]]\nzz = 1\n"),
             ("clamp", "[[clamp]]\nzz = 1\n"),
             ("turn", "[[clamp]]\nturn = { zz = 1 }\n"),
+            ("within_m", "[[clamp]]\nwithin_m = { zz = 1 }\n"),
+            ("sides", "[[panel]]\nsides = [{ zz = 1 }]\n"),
+            ("place", "[[panel]]\nplace = { kind = \"rolled\", radius_m = 1, zz = 1 }\n"),
+            ("mesh", "[mesh]\nzz = 1\n"),
+            ("load", "[load]\nzz = 1\n"),
+            ("force", "[[force]]\nzz = 1\n"),
+            ("contact", "[contact]\nzz = 1\n"),
+            ("obstacle", "[[obstacle]]\nzz = 1\n"),
+            ("turn of an obstacle", "[[obstacle]]\nturn = { zz = 1 }\n"),
             ("base", "[base]\nzz = 1\n"),
             ("field", "[field]\nzz = 1\n"),
             ("surface", "[surface]\nzz = 1\n"),

@@ -21,14 +21,29 @@ pub struct Scene {
     pub paper: String,
     /// The sheet's material.
     pub material: MaterialTable,
-    /// Flat panels, at least one.
+    /// Flat panels, at least one; or none, and a mesh.
+    #[serde(default)]
     pub panel: Vec<PanelTable>,
+    /// A garment as pattern programs export it, instead of panels.
+    pub mesh: Option<MeshTable>,
     /// What is sewn to what.
     #[serde(default)]
     pub seam: Vec<SeamTable>,
     /// What is held, and where it is moved.
     #[serde(default)]
     pub clamp: Vec<ClampTable>,
+    /// What pushes on the whole surface.
+    #[serde(default)]
+    pub load: LoadTable,
+    /// What pushes on parts of it.
+    #[serde(default)]
+    pub force: Vec<ForceTable>,
+    /// How close the surface may come to obstacles.
+    #[serde(default)]
+    pub contact: ContactTable,
+    /// What the surface may not enter.
+    #[serde(default)]
+    pub obstacle: Vec<ObstacleTable>,
     /// Options of the base solve.
     #[serde(default)]
     pub base: BaseTable,
@@ -53,6 +68,8 @@ pub struct MaterialTable {
     pub poisson: f64,
     /// Thickness (m), > 0.
     pub thickness_m: f64,
+    /// Density (kg/m³), ≥ 0; gravity needs it.
+    pub density_kg_m3: Option<f64>,
 }
 
 /// `[[panel]]`: a flat piece, see [`crate::mesh::panel`].
@@ -75,6 +92,15 @@ pub struct PanelTable {
     pub outer_radius_m: Option<f64>,
     /// Corners of a polygon (m), in order.
     pub corners_m: Option<Vec<[f64; 2]>>,
+    /// Sides of a polygon; none: one from each corner, called by its number.
+    pub sides: Option<Vec<SideTable>>,
+    /// How it is cut into triangles.
+    #[serde(default)]
+    pub mesh: Pattern,
+    /// Columns of a structured panel; none: its width divided by the edge length.
+    pub columns: Option<usize>,
+    /// Rows of a structured panel; none: its height divided by the edge length.
+    pub rows: Option<usize>,
     /// Mean edge length (m).
     pub edge_length_m: f64,
     /// Chooses one of many equally good triangulations.
@@ -87,6 +113,48 @@ pub struct PanelTable {
 
 fn one() -> u64 {
     1
+}
+
+/// One of a polygon's `sides`.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SideTable {
+    /// Its name.
+    pub name: String,
+    /// Corner at which it begins, from 0.
+    pub corner: usize,
+}
+
+/// How a panel is cut into triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Pattern {
+    /// At random, see [`crate::mesh::panel`].
+    #[default]
+    Irregular,
+    /// Rectangles only: rows and columns, diagonals from lower left to upper right.
+    Rising,
+    /// Rectangles only: rows and columns, diagonals from upper left to lower right.
+    Falling,
+}
+
+/// `[mesh]`: a garment as pattern programs export it, see [`crate::io::worn`].
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeshTable {
+    /// OBJ file of the start pose, relative to the scene file.
+    pub worn: PathBuf,
+    /// OBJ file of the rest shape, relative to the scene file; none: the texture coordinates of `worn`.
+    pub rest: Option<PathBuf>,
+    /// Length of one unit of texture (m); needed if there is no `rest`.
+    pub metres_per_uv: Option<f64>,
+    /// Length of one unit of the files' coordinates (m).
+    #[serde(default = "one_metre")]
+    pub metres_per_unit: f64,
+}
+
+fn one_metre() -> f64 {
+    1.0
 }
 
 /// Outline of a panel; see [`crate::mesh::panel::Outline`] for the names of its sides.
@@ -119,10 +187,16 @@ pub enum Place {
         #[serde(default = "y_axis")]
         y_axis: [f64; 3],
     },
-    /// Around the z axis: panel point (x, y) at angle x/radius and height y.
+    /// Around a vertical axis: panel point (x, y) at angle start + x/radius and height centre + y.
     Rolled {
         /// Radius (m).
         radius_m: f64,
+        /// A point on the axis, level with the panel's y = 0 (m).
+        #[serde(default)]
+        centre_m: [f64; 3],
+        /// Angle of the panel's x = 0 (degrees).
+        #[serde(default)]
+        start_deg: f64,
     },
 }
 
@@ -151,14 +225,21 @@ pub struct SeamTable {
     /// Whether `b` runs against `a`. A closed side keeps its first vertex.
     #[serde(default)]
     pub reversed: bool,
+    /// Whether the sides may start at different places; their vertices then start at the mean.
+    #[serde(default)]
+    pub start_apart: bool,
 }
 
-/// `[[clamp]]`: a side that is held.
+/// `[[clamp]]`: vertices that are held; exactly one of `side`, `near_m` and `within_m` says which.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ClampTable {
-    /// The side, as "panel.side".
-    pub side: String,
+    /// A side, as "panel.side".
+    pub side: Option<String>,
+    /// The vertex that starts nearest to this point (m).
+    pub near_m: Option<[f64; 3]>,
+    /// All vertices that start in this box.
+    pub within_m: Option<BoxTable>,
     /// Which coordinates are held: letters of "xyz".
     #[serde(default = "xyz")]
     pub axes: String,
@@ -184,6 +265,106 @@ pub struct TurnTable {
     /// A point on the axis (m).
     #[serde(default)]
     pub centre_m: [f64; 3],
+}
+
+/// `within_m` of a clamp or a force: a box along the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxTable {
+    /// Its lowest x, y and z (m).
+    pub low: [f64; 3],
+    /// Its highest (m).
+    pub high: [f64; 3],
+}
+
+/// `[load]`: see [`crate::shell::Loads`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct LoadTable {
+    /// Acceleration of gravity (m/s²).
+    pub gravity_m_s2: [f64; 3],
+    /// Pressure inside a closed surface, above that outside (Pa).
+    pub pressure_pa: f64,
+}
+
+/// `[[force]]`: a force spread over vertices; exactly one of `side`, `near_m` and `within_m` says over which.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceTable {
+    /// A side, as "panel.side"; the force is spread by rest length.
+    pub side: Option<String>,
+    /// The vertex that starts nearest to this point (m).
+    pub near_m: Option<[f64; 3]>,
+    /// All vertices that start in this box, evenly.
+    pub within_m: Option<BoxTable>,
+    /// The force on all of them together (N).
+    pub newton: [f64; 3],
+}
+
+/// `[contact]`: how the surface keeps off obstacles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ContactTable {
+    /// Distance below which contact pushes back (m); none: a thousandth of the diagonal of the start pose.
+    pub thickness_m: Option<f64>,
+}
+
+/// `[[obstacle]]`: a body that the surface may not enter.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObstacleTable {
+    /// Its name, for messages.
+    pub name: String,
+    /// What it is; decides which of the fields below must be given.
+    pub kind: ObstacleKind,
+    /// A point on a plane (m).
+    pub point_m: Option<[f64; 3]>,
+    /// Direction of a plane's free side (any length but 0).
+    pub normal: Option<[f64; 3]>,
+    /// Centre of a sphere or an ellipsoid (m).
+    pub centre_m: Option<[f64; 3]>,
+    /// Radius of a sphere, or of a capsule where it begins (m).
+    pub radius_m: Option<f64>,
+    /// Where a capsule's axis begins (m).
+    pub from_m: Option<[f64; 3]>,
+    /// Where it ends (m).
+    pub to_m: Option<[f64; 3]>,
+    /// Radius where it ends (m); none: that where it begins.
+    pub end_radius_m: Option<f64>,
+    /// Radii of an ellipsoid along x, y and z before its turn (m).
+    pub radii_m: Option<[f64; 3]>,
+    /// How an ellipsoid is turned about its centre.
+    pub turn: Option<TiltTable>,
+    /// OBJ file of a closed mesh, relative to the scene file.
+    pub file: Option<PathBuf>,
+    /// Length of one unit of the file's coordinates (m); none: 1.
+    pub metres_per_unit: Option<f64>,
+}
+
+/// What an obstacle is; see [`crate::obstacle::Obstacle`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ObstacleKind {
+    /// Needs `point_m` and `normal`.
+    Plane,
+    /// Needs `centre_m` and `radius_m`.
+    Sphere,
+    /// Needs `from_m`, `to_m` and `radius_m`.
+    Capsule,
+    /// Needs `centre_m` and `radii_m`.
+    Ellipsoid,
+    /// Needs `file`.
+    Mesh,
+}
+
+/// `turn` of an obstacle: a rotation about its centre, counter-clockwise seen against the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TiltTable {
+    /// Direction of the axis (any length but 0).
+    pub axis: [f64; 3],
+    /// Angle (degrees).
+    pub angle_deg: f64,
 }
 
 /// `[base]`: see [`crate::shell::BaseOptions`], whose defaults hold for what is missing.
