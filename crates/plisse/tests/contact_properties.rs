@@ -42,9 +42,9 @@ fn ball(radius_m: f64) -> Obstacle {
     Obstacle::sphere("ball", Vec3::zeros(), radius_m).unwrap()
 }
 
-/// A plate of 4 m × 4 m around the origin, this thick, with its upper side at z = 0.
-fn plate(thickness_m: f64) -> Obstacle {
-    let corner = |k: usize| Vec3::new([-2.0, 2.0][k & 1], [-2.0, 2.0][k >> 1 & 1], [-thickness_m, 0.0][k >> 2]);
+/// A plate around the origin, from −`reach_m` to `reach_m` in x and 4 m wide in y, this thick, with its upper side at z = 0.
+fn plate(reach_m: f64, thickness_m: f64) -> Obstacle {
+    let corner = |k: usize| Vec3::new([-reach_m, reach_m][k & 1], [-2.0, 2.0][k >> 1 & 1], [-thickness_m, 0.0][k >> 2]);
     let corners: Vec<Vec3> = (0..8).map(corner).collect();
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let faces: Vec<[usize; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
@@ -157,7 +157,7 @@ fn obstacles_larger_than_the_sheet_are_no_trouble() {
 #[test]
 fn a_film_stays_on_its_side_of_a_thin_plate() {
     let film = Material::new(1e6, 0.3, 1e-5).unwrap();
-    let obstacles = [plate(1e-4)];
+    let obstacles = [plate(2.0, 1e-4)];
     for solver in Solver::BOTH {
         let (sheet, clamps) = square(0.2, 0.4);
         let setup = Setup { contact_thickness_m: 1e-3, ..contact(&sheet, &film, &clamps, &obstacles) };
@@ -167,33 +167,26 @@ fn a_film_stays_on_its_side_of_a_thin_plate() {
     }
 }
 
-/// A clamp that would pull one side of a cloth through a plate is refused; one that only draws the rest of it against the plate
-/// leaves that on its side.
+/// A clamp that takes one side of a cloth through a plate is refused. Where both sides go down past a narrower plate, what is over
+/// the plate stays there, though the straight way of the whole cloth leads through.
 #[test]
 fn no_clamp_drags_a_cloth_through_a_plate() {
     let material = cloth();
-    let obstacles = [plate(1e-3)];
     for solver in Solver::BOTH {
-        let (sheet, mut clamps) = square(0.2, 0.1);
-        for (v, p) in sheet.pose.iter().enumerate().filter(|(_, p)| p.x < -0.49) {
+        let (sheet, mut clamps) = square(0.1, 0.1);
+        for (v, p) in sheet.pose.iter().enumerate().filter(|(_, p)| p.x.abs() > 0.49) {
             clamps.hold(v, p - Vec3::z() * 0.3);
         }
+        let obstacles = [plate(2.0, 1e-3)];
         let error = solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap_err().to_string();
-        assert!(error.contains("\"plate\"") && error.contains("clamp"), "{error}");
-        // Beside the rim, at x = −2, one side goes down past the plate; the straight way of the next vertices leads through it.
-        let start: Vec<Vec3> = sheet.pose.iter().map(|p| p - 1.7 * Vec3::x()).collect();
-        let mut clamps = Clamps::none(start.len());
-        for (v, p) in start.iter().enumerate().filter(|(_, p)| p.x < -2.19) {
-            clamps.hold(v, p - Vec3::z() * 0.5);
-        }
-        for (v, p) in start.iter().enumerate().filter(|(_, p)| p.x > -1.21) {
-            clamps.hold(v, *p);
-        }
-        let solved = solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &start).unwrap();
+        assert!(error.contains("\"plate\"") && error.contains("clamp takes vertex 0 "), "{error}");
+        let obstacles = [plate(0.25, 1e-3)];
+        let solved = solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap();
         let clear = clearance(&solved.pose, &obstacles);
         eprintln!("{solver:?}: {:?} after {}, {clear:.1e} m clear", solved.ending, solved.iterations);
-        assert!(clear > 0.0 && clear < THICKNESS_M);
-        assert!(solved.pose.iter().all(|q| q.x < -2.0 || q.z > 0.0));
+        assert!(solved.settled() && clear > 0.0 && clear < THICKNESS_M);
+        // Vertices near the plate's rim may go around it; those in the middle can only have got below through it.
+        assert!(sheet.pose.iter().zip(&solved.pose).all(|(p, q)| p.x.abs() > 0.15 || q.z > 0.0));
     }
 }
 

@@ -64,37 +64,47 @@ fn the_elastica_of_a_small_load_is_the_beam() {
     assert!((drop / (1e-3 / 8.0) - 1.0).abs() < 1e-6 && (angle / (1e-3 / 6.0) - 1.0).abs() < 1e-6 && (reach - 1.0).abs() < 1e-6);
 }
 
-/// The mesh bends between its first two columns of faces by the angle between them, so the slope is zero in the middle of the first,
-/// which the two held columns of vertices keep level: there the elastica begins. All errors are then of second order.
+/// By how much (in drops of the elastica) the tip of a strip 1 m long, two squares wide, hangs too deep and is off its place.
+fn cantilever(solver: Solver, load: f64, columns: usize) -> (f64, f64) {
+    let material = Material::new(1e6, 0.0, 5e-3).unwrap();
+    // q·L³/D = ρghL³·12/(Yh³).
+    let density = load * material.young_pa * material.thickness_m.powi(2) / (12.0 * GRAVITY);
+    // The mesh bends between its first two columns of faces by the angle between them, so the slope is zero in the middle of the
+    // first, which the two held columns of vertices keep level: there the elastica begins, and errors are of second order.
+    let edge = 1.0 / (columns as f64 - 0.5);
+    let sheet = Sheet::lattice(columns as f64 * edge, 2.0 * edge, columns, 2);
+    let mut clamps = Clamps::none(sheet.pose.len());
+    for v in (0..sheet.pose.len()).filter(|v| v % (columns + 1) < 2) {
+        clamps.hold(v, sheet.pose[v]);
+    }
+    let solved = solver.solve(&Setup { loads: weight(density), ..sheet.setup(&material, &clamps) }, &sheet.pose).unwrap();
+    let tip = solved.pose[columns + columns + 1] - Vec3::new(0.5 * edge, edge, 0.0);
+    let (reach, drop, _) = elastica(load);
+    let (deeper, off) = (-tip.z / drop - 1.0, (tip - Vec3::new(reach, 0.0, -drop)).norm() / drop);
+    eprintln!(
+        "{solver:?} load {load}, {columns} columns: {deeper:.1e} too deep, {off:.1e} off, {:?} after {}",
+        solved.ending, solved.iterations
+    );
+    assert!(solved.settled(), "{:?}", solved.ending);
+    (deeper, off)
+}
+
 #[test]
 fn a_cantilever_is_the_elastica() {
-    let material = Material::new(1e6, 0.0, 5e-3).unwrap();
     for (load, least_angle) in [(0.1, 0.0), (10.0, PI / 4.0)] {
-        let (reach, drop, angle) = elastica(load);
-        assert!(angle > least_angle);
-        // q·L³/D = ρghL³·12/(Yh³) with L = 1 m.
-        let density = load * material.young_pa * material.thickness_m.powi(2) / (12.0 * GRAVITY);
-        for solver in Solver::BOTH {
-            let errors = [10, 20, 40].map(|columns| {
-                let edge = 1.0 / (columns as f64 - 0.5);
-                let rows: usize = std::env::var("ROWS").map_or(2, |s| s.parse().unwrap());
-                let sheet = Sheet::lattice(columns as f64 * edge, rows as f64 * edge, columns, rows);
-                let mut clamps = Clamps::none(sheet.pose.len());
-                for v in (0..sheet.pose.len()).filter(|v| v % (columns + 1) < 2) {
-                    clamps.hold(v, sheet.pose[v]);
-                }
-                let setup = Setup { loads: weight(density), ..sheet.setup(&material, &clamps) };
-                let solved = solver.solve(&setup, &sheet.pose).unwrap();
-                let tip = solved.pose[columns + columns + 1] - Vec3::new(0.5 * edge, edge, 0.0);
-                let error = (tip - Vec3::new(reach, 0.0, -drop)).norm() / drop;
-                eprintln!("{solver:?} load {load} {columns} columns: {error:.2e} of {drop:.4} m off, {} iterations", solved.iterations);
-                error
-            });
-            if solver == Solver::Base {
-                continue;
-            }
-            assert!(errors[2] < 0.01, "{solver:?}, load {load}: {errors:?}");
-            assert!(errors[2] < 0.5 * errors[0], "{solver:?}, load {load}: {errors:?}");
+        assert!(elastica(load).2 > least_angle);
+        let errors = [10, 20, 40].map(|columns| cantilever(Solver::Reference, load, columns).1);
+        assert!(errors[0] < 0.01 && errors[1] < 0.3 * errors[0] && errors[2] < 0.3 * errors[1], "load {load}: {errors:?}");
+    }
+}
+
+/// Quadratic bending is blind to saddles: a strip with free edges that also may shrink hangs lower than any that resists them.
+#[test]
+fn the_base_surface_of_a_cantilever_hangs_too_low() {
+    for load in [0.1, 10.0] {
+        for columns in [10, 20] {
+            let (deeper, _) = cantilever(Solver::Base, load, columns);
+            assert!(deeper > 0.05, "load {load}: {deeper}");
         }
     }
 }

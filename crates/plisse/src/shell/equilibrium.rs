@@ -456,10 +456,11 @@ mod tests {
             let mut clamps = Clamps::none(pose.len());
             clamps.targets[0] = [Some(pose[0].x), None, Some(pose[0].z)];
             clamps.targets[3] = [None, Some(pose[3].y), None];
-            let beside = Vec3::new(0.5, 0.3, 0.0);
+            let out = (pose[2] - pose.iter().sum::<Vec3>() / pose.len() as f64).normalize();
+            let beside = (out + Vec3::new(0.3, 0.0, -0.2)).normalize();
             let obstacles = [
-                Obstacle::plane("below", pose[2] - 0.2 * Vec3::z(), Vec3::new(0.1, 0.2, 1.0)).unwrap(),
-                Obstacle::sphere("beside", pose[2] + beside * (1.0 + 0.3 / beside.norm()), beside.norm()).unwrap(),
+                Obstacle::plane("beyond", pose[2] + 0.2 * out, Vec3::new(0.1, 0.2, 0.0) - out).unwrap(),
+                Obstacle::sphere("beside", pose[2] + 0.8 * beside, 0.5).unwrap(),
             ];
             let setup = Setup {
                 loads: Loads {
