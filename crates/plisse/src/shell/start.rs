@@ -12,7 +12,7 @@ use crate::{Error, Result};
 /// A surface that encloses less than this part of (area)^1.5 counts as flat.
 const FLAT: f64 = 2e-3;
 /// How round a flat surface is made: part of a half ball's height.
-const ROUNDNESS: f64 = 0.3;
+const ROUNDNESS: f64 = 0.6;
 /// Distance from an obstacle, in contact thicknesses, that vertices are brought to.
 const CLEAR: f64 = 0.5;
 /// Rounds of pushing vertices out of several obstacles.
