@@ -135,11 +135,13 @@ pub(crate) fn finish(
         // A mesh may be so fine already that what the wavelength asks for would be too much.
         None => suggest_levels(topology, posed.rest, report.wavelength_m.as_ref().map(|w| w.median)).min(most_levels(topology)),
     };
-    let fine = upsample(topology, posed.pose, field, posed.rest_shape.0, posed.rest_shape.1, levels);
+    let mut fine = upsample(topology, posed.pose, field, posed.rest_shape.0, posed.rest_shape.1, levels);
     let forms = posed.v1.then(|| curvature::second_forms(topology, posed.pose, posed.field.curvature_rings));
     let how = Displacement { v2: posed.v2, v1: forms.as_deref().map(|forms| (forms, posed.material)) };
     let mut wrinkled = displace(&fine, &how);
-    keep_out(&mut wrinkled, posed.obstacles.0, posed.obstacles.1);
+    for positions in [&mut wrinkled, &mut fine.base] {
+        keep_out(positions, posed.obstacles.0, posed.obstacles.1);
+    }
     report.surface = SurfaceSummary { levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
     let texture = posed.texture.map(|coarse| Texture::refined(coarse, levels));
     drop(spinner);
