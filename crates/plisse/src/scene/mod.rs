@@ -13,10 +13,12 @@ mod laid;
 pub mod measure;
 mod panels;
 pub mod read;
+mod resolution;
 pub mod schema;
 
 pub use build::{Built, BuiltPanel, build};
 pub use check::MOST_LEVELS;
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use read::{parse, read};
+pub use resolution::with_vertices;
 pub use schema::Scene;
