@@ -27,6 +27,11 @@ pub(crate) enum Command {
         The scene format is described in docs/scene-format.md; lengths are in metres (m), Young's modulus in pascals (Pa), angles in\n\
         degrees. Ctrl-C stops and writes the best state so far.")]
     Solve(SolveArguments),
+    /// Solve a scene file by a full shell on a fine mesh, to compare with: slow, and right only where the mesh resolves the wrinkles
+    #[command(after_help = "Example:\n  plisse shell examples/01-twisted-cylinder.toml --finer 3 -o out/cylinder-shell\n\n\
+        Writes base.obj (the start), shell.obj, shell.glb, report.json and picture.png into DIR.\n\
+        St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Ctrl-C stops and writes the best state so far.")]
+    Shell(ShellArguments),
     /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
     #[command(after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 --thickness 1e-4\n\n\
         Rest and pose have the same faces in the same order; the rest shape may have more vertices (panels, seams).\n\
@@ -62,6 +67,43 @@ pub(crate) struct SolveArguments {
     pub(crate) scene: PathBuf,
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+}
+
+#[derive(Args)]
+pub(crate) struct ShellArguments {
+    /// The scene file
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    /// Folder for the results [default: out/NAME, after the input file]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Divides the edge length of every panel (no unit): 2 makes four times as many faces
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
+    pub(crate) finer: f64,
+    /// Where the solve starts
+    #[arg(long, value_enum, default_value_t = Start::Base)]
+    pub(crate) start: Start,
+    /// Random roughness of the start, in thicknesses, so that a flat sheet can buckle at all
+    #[arg(long, value_name = "H", default_value_t = 0.1)]
+    pub(crate) imperfection: f64,
+    /// Newton iterations at most
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(crate) iterations: u32,
+    /// Threads to use [default: one for each core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Do not draw picture.png
+    #[arg(long)]
+    pub(crate) no_picture: bool,
+}
+
+/// Where `plisse shell` starts.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum Start {
+    /// The tension-field base surface on the same mesh
+    Base,
+    /// The panels as the scene places them
+    Flat,
 }
 
 #[derive(Args)]

@@ -7,6 +7,7 @@ mod outputs;
 mod progress;
 mod report;
 mod road;
+mod shell;
 mod solve;
 mod wrinkle;
 
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
     let interrupted = interrupt::watch();
     let result = match arguments.command {
         Command::Solve(arguments) => solve::run(&arguments, &interrupted),
+        Command::Shell(arguments) => shell::run(&arguments, &interrupted),
         Command::Wrinkle(arguments) => wrinkle::run(&arguments, &interrupted),
     };
     match result {

@@ -6,15 +6,16 @@ use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::mesh::subdivide::refine_rest;
 use plisse::mesh::{Topology, Vec2, Vec3};
-use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw};
+use plisse::obstacle::Obstacle;
+use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw_among};
 use plisse::surface::Upsampled;
 
 use crate::arguments::Up;
 
 /// Colour of the wrinkled surface in files (linear RGBA) and in pictures (sRGB).
-const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
-const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
-const BASE_SRGB: [u8; 3] = [206, 212, 220];
+pub(crate) const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
+pub(crate) const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
+pub(crate) const BASE_SRGB: [u8; 3] = [206, 212, 220];
 
 /// Size of picture.png (pixels).
 const PICTURE_SIZE: (usize, usize) = (1600, 1200);
@@ -70,12 +71,39 @@ pub(crate) fn write_meshes(
     folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, axis))
 }
 
-/// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
-pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrinkled: &[Vec3], amplitude_max_m: f64, up: Up) -> Image {
+/// The bodies of a scene as one mesh, as far as they are around `pose`.
+fn bodies_around(pose: &[Vec3], obstacles: &[Obstacle]) -> (Vec<Vec3>, Vec<[usize; 3]>) {
+    let (low, high) = pose.iter().fold((pose[0], pose[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for obstacle in obstacles {
+        let (more, corners) = obstacle.surface(&low, &high);
+        let first = positions.len();
+        positions.extend(more);
+        faces.extend(corners.into_iter().map(|face| face.map(|v| first + v)));
+    }
+    (positions, faces)
+}
+
+/// Four panels among the scene's bodies, seen from where the pose shows best.
+pub(crate) fn draw_panels(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obstacles: &[Obstacle]) -> Image {
     let axis = match up {
         Up::Y => Axis::Y,
         Up::Z => Axis::Z,
     };
+    let bodies = bodies_around(pose, obstacles);
+    draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), PICTURE_SIZE)
+}
+
+/// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
+pub(crate) fn picture(
+    topology: &Topology,
+    pose: &[Vec3],
+    fine: &Upsampled,
+    wrinkled: &[Vec3],
+    amplitude_max_m: f64,
+    up: Up,
+    obstacles: &[Obstacle],
+) -> Image {
     let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
     let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
     let phase: Vec<[f64; 3]> =
@@ -98,5 +126,5 @@ pub(crate) fn picture(topology: &Topology, pose: &[Vec3], fine: &Upsampled, wrin
             paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
         },
     ];
-    draw(&panels, &Camera::automatic(pose, axis), PICTURE_SIZE)
+    draw_panels(&panels, pose, up, obstacles)
 }

@@ -149,15 +149,7 @@ impl Report {
             row("waves around loops", format!("{} ({:.2} before rounding)", text.join(", "), self.periods_before_rounding[0]));
         }
         for measured in &self.measures {
-            let unit = if measured.unit.is_empty() { String::new() } else { format!(" {}", measured.unit) };
-            let mut text = format!("{:.4}{unit}", Plain(measured.value));
-            if let Some(published) = measured.published {
-                text += &format!(", published {}{unit}", Plain(published));
-                if let Some(source) = &measured.source {
-                    text += &format!(" ({source})");
-                }
-            }
-            row(&measured.name, text);
+            row(&measured.name, measured_row(measured));
         }
         row("surface", format!("{} levels, {} vertices, {} faces", self.surface.levels, self.surface.vertices, self.surface.faces));
         let s = &self.seconds;
@@ -170,6 +162,19 @@ impl Report {
         }
         table
     }
+}
+
+/// A measured number beside the published one.
+pub(crate) fn measured_row(measured: &Measured) -> String {
+    let unit = if measured.unit.is_empty() { String::new() } else { format!(" {}", measured.unit) };
+    let mut text = format!("{:.4}{unit}", Plain(measured.value));
+    if let Some(published) = measured.published {
+        text += &format!(", published {}{unit}", Plain(published));
+        if let Some(source) = &measured.source {
+            text += &format!(" ({source})");
+        }
+    }
+    text
 }
 
 /// A number without needless digits: small ones in scientific notation.

@@ -10,10 +10,11 @@ use plisse::io::aside::OutputFolder;
 use plisse::linalg::newton::Ending;
 use plisse::material::Material;
 use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::obstacle::Obstacle;
 use plisse::rest::RestMetric;
 use plisse::scene::{MOST_LEVELS, Measured};
 use plisse::shell::BaseReport;
-use plisse::surface::{Displacement, displace, suggest_levels, upsample};
+use plisse::surface::{Displacement, displace, keep_out, suggest_levels, upsample};
 use plisse::{Error, Result};
 
 use crate::Done;
@@ -39,6 +40,8 @@ pub(crate) struct Posed<'a> {
     pub(crate) pose: &'a [Vec3],
     pub(crate) held: &'a [bool],
     pub(crate) material: &'a Material,
+    /// Bodies that the wrinkles stay out of, and how far (m).
+    pub(crate) obstacles: (&'a [Obstacle], f64),
     pub(crate) field: FieldOptions,
     pub(crate) levels: Option<usize>,
     pub(crate) v1: bool,
@@ -50,8 +53,13 @@ pub(crate) struct Posed<'a> {
 
 /// The folder that results go to, proven writable before anything long begins.
 pub(crate) fn open_output(arguments: &OutputArguments, input: &Path) -> Result<OutputFolder> {
+    open_output_at(arguments.output.as_deref(), input)
+}
+
+/// As [`open_output`], for the folder asked for or one named after `input`.
+pub(crate) fn open_output_at(output: Option<&Path>, input: &Path) -> Result<OutputFolder> {
     let stem = input.file_stem().map_or_else(|| "plisse".into(), |s| s.to_os_string());
-    OutputFolder::create(&arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem)))
+    OutputFolder::create(&output.map_or_else(|| PathBuf::from("out").join(stem), Path::to_path_buf))
 }
 
 /// Runs `work` with as many threads as the user asked for.
@@ -130,14 +138,15 @@ pub(crate) fn finish(
     let fine = upsample(topology, posed.pose, field, posed.rest_shape.0, posed.rest_shape.1, levels);
     let forms = posed.v1.then(|| curvature::second_forms(topology, posed.pose, posed.field.curvature_rings));
     let how = Displacement { v2: posed.v2, v1: forms.as_deref().map(|forms| (forms, posed.material)) };
-    let wrinkled = displace(&fine, &how);
+    let mut wrinkled = displace(&fine, &how);
+    keep_out(&mut wrinkled, posed.obstacles.0, posed.obstacles.1);
     report.surface = SurfaceSummary { levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
     let texture = posed.texture.map(|coarse| Texture::refined(coarse, levels));
     drop(spinner);
 
     if !arguments.no_picture {
         let spinner = bars.spinner("picture");
-        let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max, posed.up);
+        let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max, posed.up, posed.obstacles.0);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
         drop(spinner);
     } else {

@@ -13,6 +13,9 @@ use crate::outputs::panel_texture;
 use crate::progress::Bars;
 use crate::road::{Posed, check_levels, finish, leave_out, open_output, with_threads};
 
+/// Contact thicknesses that wrinkles stay off bodies.
+const CLEARANCE: f64 = 0.25;
+
 pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
     let mut built = scene::build(&scene::read(&arguments.scene)?)?;
@@ -36,6 +39,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             pose: &pose,
             held: &built.clamps.held(),
             material: &built.material,
+            obstacles: (&built.obstacles, CLEARANCE * built.contact_thickness_m),
             field: built.field.clone(),
             levels: built.levels,
             v1: built.v1,
@@ -49,8 +53,12 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
 }
 
 /// What the user should know about a base surface: the paper's own warning about tension field theory.
-fn base_notes(base: &BaseReport) -> Vec<String> {
+pub(crate) fn base_notes(base: &BaseReport) -> Vec<String> {
     let mut notes = Vec::new();
+    if let Some(first) = base.resolved_faces.first() {
+        let count = base.resolved_faces.len();
+        notes.push(format!("{count} face(s) started inside an obstacle, the first is face {first}; they were pushed out"));
+    }
     for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")] {
         if let Some(first) = faces.first() {
             notes.push(format!(

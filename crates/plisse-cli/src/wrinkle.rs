@@ -45,6 +45,7 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
             pose: &worn.positions,
             held: &held,
             material: &material,
+            obstacles: (&[], 0.0),
             field,
             levels: None,
             v1: false,

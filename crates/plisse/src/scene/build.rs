@@ -191,12 +191,12 @@ fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
                 };
                 let panel = laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
                 let faces = panel.map_or(0..0, |panel| panel.faces.clone());
-                let pieces = cut(from.into(), to.into(), faces, |f| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy()));
+                let (pieces, crossings) = cut(from.into(), to.into(), faces, |f| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy()));
                 if pieces.is_empty() {
                     let message = "the line to to_m misses the panel; give points in panel coordinates (m)";
                     return Err(Error::value(format!("measure[{i}].from_m"), message));
                 }
-                Quantity::WavesAlong { pieces }
+                Quantity::WavesAlong { pieces, crossings }
             }
         };
         probes.push(Probe { name: table.name.clone(), quantity, published: table.published, source: table.source.clone() });

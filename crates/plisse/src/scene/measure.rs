@@ -39,6 +39,8 @@ pub enum Quantity {
     WavesAlong {
         /// Pieces of the line, in order.
         pieces: Vec<Piece>,
+        /// Where the line crosses from face to face, in order; between them everything linear in faces is linear.
+        crossings: Vec<Crossing>,
     },
 }
 
@@ -46,7 +48,10 @@ pub enum Quantity {
 /// in the face's orthonormal rest frame.
 pub type Piece = Vec<(usize, Vec2)>;
 
-/// A number taken from a field.
+/// A point of a line: a face and the point's barycentric coordinates in it (no unit).
+pub type Crossing = (usize, [f64; 3]);
+
+/// A number taken from a field or a shell.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Measured {
     /// Name of the number.
@@ -67,7 +72,7 @@ pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec
         let (value, unit) = match &probe.quantity {
             Quantity::LargestPeriod => (report.periods.iter().map(|p| p.turns).max().unwrap_or(0) as f64, "waves"),
             Quantity::PeakAmplitude => (field.amplitude_m.iter().copied().fold(0.0, f64::max), "m"),
-            Quantity::WavesAlong { pieces } => (waves_along(built, field, pieces), "waves"),
+            Quantity::WavesAlong { pieces, .. } => (waves_along(built, field, pieces), "waves"),
         };
         Measured { name: probe.name.clone(), value, unit, published: probe.published, source: probe.source.clone() }
     };
@@ -89,9 +94,14 @@ fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
     pieces.iter().map(turns).sum::<f64>() / std::f64::consts::TAU
 }
 
-/// The line from `from` to `to` (m, panel coordinates) cut at the borders of those of `faces` that it runs in. `corners` gives
-/// a face's rest corners (m).
-pub(super) fn cut(from: Vec2, to: Vec2, faces: std::ops::Range<usize>, corners: impl Fn(usize) -> [Vec2; 3]) -> Vec<Piece> {
+/// The line from `from` to `to` (m, panel coordinates) cut at the borders of those of `faces` that it runs in, and the points where
+/// it crosses them. `corners` gives a face's rest corners (m).
+pub(super) fn cut(
+    from: Vec2,
+    to: Vec2,
+    faces: std::ops::Range<usize>,
+    corners: impl Fn(usize) -> [Vec2; 3],
+) -> (Vec<Piece>, Vec<Crossing>) {
     let along = to - from;
     // The size of coordinates decides how well they are known.
     let size = faces.clone().flat_map(&corners).fold(along.norm(), |size, p| size.max(p.norm()));
@@ -116,7 +126,15 @@ pub(super) fn cut(from: Vec2, to: Vec2, faces: std::ops::Range<usize>, corners: 
             pieces.push(piece);
         }
     }
-    pieces
+    let crossing = |&stop: &f64| {
+        let (f, _) = spans.iter().find(|(_, [enter, leave])| *enter <= stop && stop <= *leave)?;
+        let ([a, b, c], p) = (corners(*f), from + along * stop);
+        let area = (b - a).perp(&(c - a));
+        let (v, w) = ((p - a).perp(&(c - a)) / area, (b - a).perp(&(p - a)) / area);
+        Some((*f, [1.0 - v - w, v, w]))
+    };
+    let crossings = stops.iter().filter_map(crossing).collect();
+    (pieces, crossings)
 }
 
 /// The range of t in 0..1 for which `from + t·along` is in the triangle, or within `touch` of it.
@@ -234,7 +252,7 @@ mod tests {
             // Vertices of the first panel are their own rest vertices.
             let (from, to) = (any.rest_positions[i].xy(), any.rest_positions[j].xy());
             let built = balloon("front", from.into(), to.into());
-            let Quantity::WavesAlong { pieces } = &built.probes[0].quantity else { panic!("not a line") };
+            let Quantity::WavesAlong { pieces, .. } = &built.probes[0].quantity else { panic!("not a line") };
             assert_eq!(pieces.iter().map(Vec::len).max(), Some(2), "edge {e} is shared by two faces");
             let expected = k.dot(&(to - from)).abs() / std::f64::consts::TAU;
             let found = waves(&built, &plane_wave(&built, k));

@@ -1,0 +1,209 @@
+//! `plisse shell`: a scene file to a shell whose mesh itself bears the wrinkles, for comparison with `plisse solve`.
+
+use std::io::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use plisse::field::curvature::vertex_normals;
+use plisse::io::aside::OutputFolder;
+use plisse::io::{glb, obj};
+use plisse::linalg::newton::Ending;
+use plisse::mesh::Vec3;
+use plisse::picture::{Paint, PanelView, Subject};
+use plisse::scene::{Built, Measured, Scene};
+use plisse::shell::{ReferenceOptions, ReferenceReport, solve_base, solve_reference};
+use plisse::strain::strain;
+use plisse::{Error, Result, scene};
+use serde::Serialize;
+
+use crate::Done;
+use crate::arguments::{ShellArguments, Start, Up};
+use crate::outputs::{BASE_SRGB, CLOTH, CLOTH_SRGB, draw_panels, panel_texture};
+use crate::progress::Bars;
+use crate::report::{BaseSummary, ending_name, measured_row};
+use crate::road::{open_output_at, with_threads};
+use crate::solve::base_notes;
+
+/// What a run found. Field names carry the units.
+#[derive(Serialize)]
+struct Report {
+    plisse: &'static str,
+    title: String,
+    vertices: usize,
+    faces: usize,
+    iterations: usize,
+    ending: &'static str,
+    energy_joule: f64,
+    gradient_newton: f64,
+    /// Largest distance from the base surface along its normal.
+    displacement_max_m: f64,
+    base: Option<BaseSummary>,
+    measures: Vec<Measured>,
+    notes: Vec<String>,
+    seconds: Seconds,
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    base: f64,
+    shell: f64,
+    total: f64,
+}
+
+pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Result<Done> {
+    let begun = Instant::now();
+    let mut scene = scene::read(&arguments.scene)?;
+    refine(&mut scene, arguments.finer)?;
+    let built = scene::build(&scene)?;
+    let folder = open_output_at(arguments.output.as_deref(), &arguments.scene)?;
+    let bars = Bars::new(interrupted);
+    with_threads(arguments.threads, || {
+        let mut notes = built.notes.clone();
+        let (start, base) = match arguments.start {
+            Start::Base => {
+                let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
+                notes.extend(base_notes(&base));
+                (pose, Some(base))
+            }
+            Start::Flat => (built.start.clone(), None),
+        };
+        bars.finish();
+        let options = ReferenceOptions {
+            iteration_limit: arguments.iterations as usize,
+            imperfection_m: arguments.imperfection * built.material.thickness_m,
+            ..ReferenceOptions::default()
+        };
+        let (pose, found) = solve_reference(&built.setup(), &start, &options, &bars)?;
+        bars.finish();
+        if interrupted.load(Ordering::SeqCst) {
+            notes.push("interrupted: this is the best state so far, not a solution".to_owned());
+        } else if found.ending == Ending::IterationLimit {
+            notes.push("the iteration limit came first; this is no equilibrium, give --iterations more".to_owned());
+        }
+        let base_seconds = base.as_ref().map_or(0.0, |base| base.seconds);
+        let report = Report {
+            plisse: env!("CARGO_PKG_VERSION"),
+            title: built.title.clone(),
+            vertices: built.topology.vertex_count,
+            faces: built.topology.face_count(),
+            iterations: found.iterations,
+            ending: ending_name(found.ending),
+            energy_joule: found.energy_joule,
+            gradient_newton: found.gradient_newton,
+            displacement_max_m: displacement(&built, &start, &pose).into_iter().fold(0.0, |most, d| d.abs().max(most)),
+            base: base.as_ref().map(BaseSummary::from),
+            measures: scene::measure_shell(&built, &start, &pose),
+            notes,
+            seconds: Seconds { base: base_seconds, shell: found.seconds, total: begun.elapsed().as_secs_f64() },
+        };
+        write(&built, &start, &pose, report, &found, arguments, folder, &bars)?;
+        Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
+    })
+}
+
+/// Divides the edge length of every panel.
+fn refine(scene: &mut Scene, finer: f64) -> Result<()> {
+    if !(finer > 0.0 && finer.is_finite()) {
+        return Err(Error::value("--finer", format!("{finer} is no factor; give a number above 0, such as 2 for edges half as long")));
+    }
+    if scene.mesh.is_some() && finer != 1.0 {
+        return Err(Error::value("--finer", "the scene has a mesh, not panels; refine the mesh itself and leave --finer out"));
+    }
+    for panel in &mut scene.panel {
+        panel.edge_length_m /= finer;
+        panel.columns = panel.columns.map(|n| (n as f64 * finer).round() as usize);
+        panel.rows = panel.rows.map(|n| (n as f64 * finer).round() as usize);
+    }
+    Ok(())
+}
+
+/// `[V]` distance (m) of `pose` from `start` along the normal of `start`.
+fn displacement(built: &Built, start: &[Vec3], pose: &[Vec3]) -> Vec<f64> {
+    let normals = vertex_normals(&built.topology, start);
+    (0..pose.len()).map(|v| (pose[v] - start[v]).dot(&normals[v])).collect()
+}
+
+#[allow(clippy::too_many_arguments)]
+fn write(
+    built: &Built,
+    start: &[Vec3],
+    pose: &[Vec3],
+    report: Report,
+    found: &ReferenceReport,
+    arguments: &ShellArguments,
+    mut folder: OutputFolder,
+    bars: &Bars<'_>,
+) -> Result<()> {
+    let spinner = bars.spinner("files");
+    let faces = &built.topology.faces;
+    let texture = built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces));
+    let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+    folder.write("base.obj", |out| obj::write(out, start, faces, texture))?;
+    folder.write("shell.obj", |out| obj::write(out, pose, faces, texture))?;
+    let normals = vertex_normals(&built.topology, pose);
+    let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
+    folder.write("shell.glb", |out| glb::write(out, &mesh, CLOTH, glb::UpAxis::Z))?;
+    if arguments.no_picture {
+        folder.leave_out("picture.png");
+    } else {
+        let picture = picture(built, start, pose);
+        folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
+    }
+    folder.write("report.json", |out| {
+        serde_json::to_writer_pretty(&mut *out, &report)?;
+        out.write_all(b"\n")
+    })?;
+    let paths = folder.commit()?;
+    drop(spinner);
+    let mut table = format!("{}\n", report.title);
+    let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
+    row("mesh", format!("{} vertices, {} faces", report.vertices, report.faces));
+    if let Some(base) = &report.base {
+        row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));
+    }
+    row("shell", format!("{} iterations, {}, {:.6e} J", report.iterations, report.ending, report.energy_joule));
+    row("gradient", format!("{:.1e} N", found.gradient_newton));
+    row("displacement", format!("max {:.4e} m", report.displacement_max_m));
+    for measured in &report.measures {
+        row(&measured.name, measured_row(measured));
+    }
+    let s = &report.seconds;
+    row("seconds", format!("base {:.3}, shell {:.3}, total {:.3}", s.base, s.shell, s.total));
+    for note in &report.notes {
+        table += &format!("  note: {note}\n");
+    }
+    if let Some(parent) = paths.first().and_then(|p| p.parent()) {
+        table += &format!("  written to               {}\n", parent.display());
+    }
+    let _ = std::io::stdout().write_all(table.as_bytes());
+    Ok(())
+}
+
+/// Start, displacement, what compression is left, and the shell.
+fn picture(built: &Built, start: &[Vec3], pose: &[Vec3]) -> plisse::picture::Image {
+    let faces = &built.topology.faces;
+    let height: Vec<f64> = displacement(built, start, pose).iter().map(|d| 1e3 * d.abs()).collect();
+    let mut pressed = vec![0.0_f64; pose.len()];
+    for (face, strain) in faces.iter().zip(strain(&built.topology, &built.rest, pose)) {
+        // Ê is twice the strain.
+        let percent = 50.0 * (-strain.principal[0]).max(0.0);
+        face.iter().for_each(|&v| pressed[v] = pressed[v].max(percent));
+    }
+    let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
+    let subject = Subject { positions: pose, faces };
+    let panels = [
+        PanelView {
+            title: "Start",
+            subject: Subject { positions: start, faces },
+            paint: Paint::Plain { colour: BASE_SRGB, wireframe: true },
+        },
+        PanelView {
+            title: "Displacement from the start",
+            subject,
+            paint: Paint::Scalar { values: &height, maximum: most(&height), unit: "mm" },
+        },
+        PanelView { title: "Compression left", subject, paint: Paint::Scalar { values: &pressed, maximum: most(&pressed), unit: "%" } },
+        PanelView { title: "Shell", subject, paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false } },
+    ];
+    draw_panels(&panels, pose, Up::Z, &built.obstacles)
+}
