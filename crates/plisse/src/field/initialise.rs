@@ -60,8 +60,9 @@ pub fn first_guess(
         .map(|f| (strain[f].deformation * strain[f].directions[0]).try_normalize(0.0).unwrap_or_else(Vec3::zeros) * amount[f])
         .collect();
     let sign = comb(topology, positions, &in_space, wrinkle_free);
-    let target: Vec<Vec2> =
-        (0..topology.face_count()).map(|f| if amount[f] > 0.0 { strain[f].directions[0] * (sign[f] / k[f]) } else { Vec2::zeros() }).collect();
+    let target: Vec<Vec2> = (0..topology.face_count())
+        .map(|f| if amount[f] > 0.0 { strain[f].directions[0] * (sign[f] / k[f]) } else { Vec2::zeros() })
+        .collect();
     // Strongly pressed faces decide; the others must only not make the equations singular.
     let largest = amount.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let weight: Vec<f64> = (0..topology.face_count()).map(|f| if wrinkle_free[f] { 0.0 } else { amount[f] / largest + 1e-6 }).collect();

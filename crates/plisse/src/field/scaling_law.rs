@@ -12,10 +12,10 @@
 //!
 //! Limits: the law knows no free edges, no curvature, and nothing of why the sheet is compressed.
 
+use super::WrinkleField;
 use super::closed_forms::ClosedForms;
 use super::initialise::{compression, first_guess};
 use super::solve::{FieldOptions, Period, where_nothing_wrinkles, with_phase};
-use super::WrinkleField;
 use crate::material::Material;
 use crate::mesh::{Topology, Vec3};
 use crate::rest::RestMetric;

@@ -212,11 +212,8 @@ pub(super) fn where_nothing_wrinkles(
     held: &[bool],
     options: &FieldOptions,
 ) -> (Vec<bool>, Vec<bool>) {
-    let wrinkle_free = if options.relaxed_integrability {
-        wrinkle_free_faces(topology, strain, options.rule)
-    } else {
-        vec![false; topology.face_count()]
-    };
+    let wrinkle_free =
+        if options.relaxed_integrability { wrinkle_free_faces(topology, strain, options.rule) } else { vec![false; topology.face_count()] };
     let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
     for (still, &held) in still.iter_mut().zip(held) {
         *still |= held;

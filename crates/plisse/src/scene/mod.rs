@@ -22,5 +22,5 @@ pub use check::MOST_LEVELS;
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use measure_shell::measure_shell;
 pub use read::{parse, read};
-pub use resolution::with_vertices;
+pub use resolution::{refined, with_vertices};
 pub use schema::Scene;
