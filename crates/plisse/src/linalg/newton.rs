@@ -240,7 +240,10 @@ fn newton_direction(
         direction[i] = -gradient[i];
     }
     cholesky.solve(direction);
-    conjugate_gradients(problem, cholesky, values, gradient, direction);
+    // Rough while the gradient (of order one at most) is large, so that the steps still shrink it faster and faster (Eisenstat & Walker).
+    let largest = gradient.iter().zip(held).filter(|(_, held)| !**held).fold(0.0_f64, |most, (g, _)| most.max(g.abs()));
+    let content = largest.sqrt().clamp(CONTENT[1], CONTENT[0]);
+    conjugate_gradients(problem, cholesky, values, gradient, content, direction);
     let mut slope = 0.0;
     for i in 0..direction.len() {
         slope += direction[i] * gradient[i];
@@ -248,13 +251,21 @@ fn newton_direction(
     slope < 0.0
 }
 
-/// Relative residual at which [`conjugate_gradients`] is content, and the steps it takes at most.
-const CONTENT: f64 = 1e-6;
+/// Relative residual at which [`conjugate_gradients`] is content: far from the minimum, where a Newton step is rough anyway, and close
+/// to it; and the steps it takes at most.
+const CONTENT: [f64; 2] = [1e-2, 1e-6];
 const MOST_STEPS: usize = 60;
 
 /// Where the factorised matrix P leaves a part of the Hessian out, solves H·direction = −gradient by conjugate gradients with P
 /// as preconditioner; `direction` comes in as −P⁻¹·gradient. Every iterate is a direction of descent.
-fn conjugate_gradients(problem: &dyn Problem, cholesky: &mut Cholesky, values: &[f64], gradient: &[f64], direction: &mut [f64]) {
+fn conjugate_gradients(
+    problem: &dyn Problem,
+    cholesky: &mut Cholesky,
+    values: &[f64],
+    gradient: &[f64],
+    content: f64,
+    direction: &mut [f64],
+) {
     let n = direction.len();
     let mut image = vec![0.0; n];
     if !problem.add_rest_of_hessian(direction, &mut image) {
@@ -265,7 +276,7 @@ fn conjugate_gradients(problem: &dyn Problem, cholesky: &mut Cholesky, values: &
     let mut search = direction.to_vec();
     direction.fill(0.0);
     let mut square = dot(&residual, &search);
-    let enough = CONTENT * CONTENT * square;
+    let enough = content * content * square;
     let mut solved = vec![0.0; n];
     for _ in 0..MOST_STEPS {
         cholesky.pattern().multiply(values, &search, &mut image);

@@ -198,6 +198,14 @@ fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
                 }
                 Quantity::WavesAlong { pieces, crossings }
             }
+            MeasureKind::WavesAround => {
+                let side = laid.side(scene, &format!("measure[{i}].side"), table.side.as_deref().unwrap_or_default())?;
+                let mut chain: Vec<usize> = side.rest_vertices.iter().map(|&r| laid.vertex_of_rest[r]).collect();
+                if side.closed {
+                    chain.push(chain[0]);
+                }
+                Quantity::WavesAround { chain }
+            }
         };
         probes.push(Probe { name: table.name.clone(), quantity, published: table.published, source: table.source.clone() });
     }

@@ -163,18 +163,24 @@ impl Scene {
                 let message = format!("measure[{j}] is called \"{}\", too; give each measure a name of its own", measure.name);
                 return Err(Error::value(field("name"), message));
             }
-            let along = measure.kind == MeasureKind::WavesAlong;
-            for (name, given) in
-                [("panel", measure.panel.is_some()), ("from_m", measure.from_m.is_some()), ("to_m", measure.to_m.is_some())]
-            {
-                if given != along {
-                    let message = if along {
-                        "this is missing; waves_along needs panel, from_m and to_m"
+            for (name, given, kind, word, needs) in [
+                ("panel", measure.panel.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
+                ("from_m", measure.from_m.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
+                ("to_m", measure.to_m.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
+                ("side", measure.side.is_some(), MeasureKind::WavesAround, "waves_around", "side"),
+            ] {
+                let needed = measure.kind == kind;
+                if given != needed {
+                    let message = if needed {
+                        format!("this is missing; {word} needs {needs}")
                     } else {
-                        "only waves_along has this; remove it or change the kind"
+                        format!("only {word} has this; remove it or change the kind")
                     };
                     return Err(Error::value(field(name), message));
                 }
+            }
+            if let Some(side) = &measure.side {
+                self.side(&field("side"), side)?;
             }
             if let (Some(panel), Some(from), Some(to)) = (&measure.panel, &measure.from_m, &measure.to_m) {
                 if !self.panel.iter().any(|p| p.name == *panel) {

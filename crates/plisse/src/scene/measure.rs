@@ -42,6 +42,11 @@ pub enum Quantity {
         /// Where the line crosses from face to face, in order; between them everything linear in faces is linear.
         crossings: Vec<Crossing>,
     },
+    /// Turns of the phase along a chain of edges; where a face at an edge is wrinkled.
+    WavesAround {
+        /// Vertices in order; the first again at the end if the chain is closed.
+        chain: Vec<usize>,
+    },
 }
 
 /// A piece of a line: the faces it runs in (two along an edge that they share, else one), each with the piece as a vector (m)
@@ -73,6 +78,7 @@ pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec
             Quantity::LargestPeriod => (report.periods.iter().map(|p| p.turns).max().unwrap_or(0) as f64, "waves"),
             Quantity::PeakAmplitude => (field.amplitude_m.iter().copied().fold(0.0, f64::max), "m"),
             Quantity::WavesAlong { pieces, .. } => (waves_along(built, field, pieces), "waves"),
+            Quantity::WavesAround { chain } => (waves_around(built, field, chain), "waves"),
         };
         Measured { name: probe.name.clone(), value, unit, published: probe.published, source: probe.source.clone() }
     };
@@ -92,6 +98,15 @@ fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
         if wrinkled.is_empty() { 0.0 } else { wrinkled.iter().sum::<f64>() / wrinkled.len() as f64 }
     };
     pieces.iter().map(turns).sum::<f64>() / std::f64::consts::TAU
+}
+
+fn waves_around(built: &Built, field: &WrinkleField, chain: &[usize]) -> f64 {
+    let turn = |pair: &[usize]| {
+        let edge = [pair[0].min(pair[1]), pair[0].max(pair[1])];
+        let along = built.topology.edges.binary_search(&edge).map_or(0.0, |e| field.omega[e]);
+        if pair[0] < pair[1] { along } else { -along }
+    };
+    (chain.windows(2).map(turn).sum::<f64>() / std::f64::consts::TAU).abs()
 }
 
 /// The line from `from` to `to` (m, panel coordinates) cut at the borders of those of `faces` that it runs in, and the points where

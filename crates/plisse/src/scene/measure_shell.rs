@@ -24,20 +24,26 @@ pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measur
                 let (low, high) = height.iter().fold((0.0_f64, 0.0_f64), |(low, high), &h| (low.min(h), high.max(h)));
                 (0.5 * (high - low), "m")
             }
-            Quantity::WavesAlong { crossings, .. } => (waves_along(built, base, &height, crossings), "waves"),
+            Quantity::WavesAlong { crossings, .. } => {
+                let corners = |f: usize| built.topology.faces[f];
+                let at = |(f, w): &Crossing| (0..3).map(|k| w[k] * height[corners(*f)[k]]).sum();
+                let place = |(f, w): &Crossing| (0..3).map(|k| base[corners(*f)[k]] * w[k]).sum();
+                (waves(built, crossings.iter().map(at).collect(), crossings.iter().map(place).collect()), "waves")
+            }
+            Quantity::WavesAround { chain } => {
+                (waves(built, chain.iter().map(|&v| height[v]).collect(), chain.iter().map(|&v| base[v]).collect()), "waves")
+            }
         };
         Some(Measured { name: probe.name.clone(), value, unit, published: probe.published, source: probe.source.clone() })
     };
     built.probes.iter().filter_map(take).collect()
 }
 
-fn waves_along(built: &Built, base: &[Vec3], height: &[f64], crossings: &[Crossing]) -> f64 {
-    let corners = |f: usize| built.topology.faces[f];
-    let mut line: Vec<f64> = crossings.iter().map(|(f, w)| (0..3).map(|k| w[k] * height[corners(*f)[k]]).sum()).collect();
-    let place = |(f, w): &Crossing| -> Vec3 { (0..3).map(|k| base[corners(*f)[k]] * w[k]).sum() };
-    let (Some(first), Some(last)) = (crossings.first(), crossings.last()) else { return 0.0 };
-    let length: f64 = crossings.windows(2).map(|pair| (place(&pair[0]) - place(&pair[1])).norm()).sum();
-    let closed = (place(first) - place(last)).norm() < 1e-6 * length;
+/// Waves of the heights `line` (m) at the points `places` (m) of a line.
+fn waves(built: &Built, mut line: Vec<f64>, places: Vec<Vec3>) -> f64 {
+    let (Some(first), Some(last)) = (places.first(), places.last()) else { return 0.0 };
+    let length: f64 = places.windows(2).map(|pair| (pair[0] - pair[1]).norm()).sum();
+    let closed = (first - last).norm() < 1e-6 * length;
     if closed {
         // Start at the lowest point, so that no wave is cut in two.
         line.pop();

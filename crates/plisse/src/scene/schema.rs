@@ -428,6 +428,8 @@ pub struct MeasureTable {
     pub name: String,
     /// What it is; decides which of the fields below must be given.
     pub kind: MeasureKind,
+    /// `waves_around`: the side, as "panel.side".
+    pub side: Option<String>,
     /// `waves_along`: the panel.
     pub panel: Option<String>,
     /// `waves_along`: start of a straight line in panel coordinates (m).
@@ -450,4 +452,6 @@ pub enum MeasureKind {
     PeakAmplitude,
     /// Waves that a straight line on a panel crosses; needs `panel`, `from_m` and `to_m`.
     WavesAlong,
+    /// Turns of the phase along a side; needs `side`.
+    WavesAround,
 }

@@ -67,7 +67,8 @@ pub struct BaseReport {
 pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, BaseReport)> {
     let begun = Instant::now();
     setup.check()?;
-    let (mut pose, resolved_faces) = prepare(setup, start)?;
+    let (begin, resolved_faces) = prepare(setup, start)?;
+    let mut pose = begin.clone();
     let mut held = setup.clamps.clone();
     if setup.floats() {
         pin_rigid_motions(setup.topology, &pose, &mut held);
@@ -85,7 +86,7 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     };
     let outcome = minimise(&mut problem, &x, &newton, observer)?;
     problem.unpack(&outcome.x, &mut pose);
-    check_outcome("base", setup, outcome.energy, &pose)?;
+    check_outcome("base", setup, outcome.energy, &begin, &pose)?;
     let mut states = [0; 3];
     for (membrane, face) in problem.membranes().iter().zip(&setup.topology.faces) {
         states[match membrane.state(&face.map(|v| pose[v])) {
@@ -109,14 +110,14 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     Ok((pose, report))
 }
 
-/// Refuses a result that is no equilibrium of anything.
-pub(super) fn check_outcome(stage: &'static str, setup: &Setup<'_>, energy: f64, pose: &[Vec3]) -> Result<()> {
+/// Refuses a result that is no equilibrium of anything: not finite, or endlessly far from the pose that the solve began at.
+pub(super) fn check_outcome(stage: &'static str, setup: &Setup<'_>, energy: f64, begin: &[Vec3], pose: &[Vec3]) -> Result<()> {
     if !energy.is_finite() {
         return Err(Error::numeric(stage, "the energy is not a finite number; check the material's constants and the clamps' positions"));
     }
-    let (low, high) = pose.iter().fold((pose[0], pose[0]), |(low, high), p| (low.inf(p), high.sup(p)));
-    let bodies = setup.clamps.targets.iter().flatten().flatten().fold(0.0_f64, |far, t| far.max(t.abs()));
-    if (high - low).norm() > FALLING * (setup.length_m() + bodies) {
+    let largest = |lengths: &mut dyn Iterator<Item = f64>| lengths.fold(0.0, f64::max);
+    let moved = largest(&mut pose.iter().zip(begin).map(|(p, q)| (p - q).norm()));
+    if moved > FALLING * (setup.length_m() + largest(&mut begin.iter().map(Vec3::norm))) {
         return Err(Error::numeric(stage, "the surface falls for ever or is blown up without end; hold it, or lessen the loads"));
     }
     Ok(())

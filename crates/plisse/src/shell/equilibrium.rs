@@ -423,3 +423,87 @@ impl Problem for Equilibrium<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::loads::Loads;
+    use super::*;
+    use crate::linalg::derivative_check::{gradient_error, hessian_error};
+    use crate::material::Material;
+    use crate::mesh::Topology;
+    use crate::mesh::scatter::Random;
+    use crate::obstacle::Obstacle;
+    use crate::rest::RestMetric;
+
+    /// A tetrahedron, where the neighbours of a face share their far corner, and an octahedron.
+    fn closed_surfaces() -> [(Vec<Vec3>, Vec<[usize; 3]>); 2] {
+        let [x, y, z] = [Vec3::x(), Vec3::y(), Vec3::z()];
+        let around = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        [(vec![Vec3::zeros(), x, y, z], vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]), (vec![x, y, z, -x, -y, -z], around.to_vec())]
+    }
+
+    /// Everything at once: gravity, a point force, pressure, two obstacles in touch with a vertex, and clamps on some axes.
+    #[test]
+    fn derivatives_of_everything_together_agree_with_differences() {
+        for (shape, faces) in closed_surfaces() {
+            let topology = Topology::new("closed", shape.len(), faces).unwrap();
+            let rest = RestMetric::from_shape("closed", &shape, &topology.faces).unwrap();
+            // Thick, so that bending is not lost beside the membrane.
+            let material = Material::new(50.0, 0.3, 0.3).unwrap();
+            let mut random = Random(7);
+            let mut number = || 2.0 * random.unit() - 1.0;
+            let pose: Vec<Vec3> = shape.iter().map(|p| 1.05 * p + 0.15 * Vec3::new(number(), number(), number())).collect();
+            let mut clamps = Clamps::none(pose.len());
+            clamps.targets[0] = [Some(pose[0].x), None, Some(pose[0].z)];
+            clamps.targets[3] = [None, Some(pose[3].y), None];
+            let out = (pose[2] - pose.iter().sum::<Vec3>() / pose.len() as f64).normalize();
+            let beside = (out + Vec3::new(0.3, 0.0, -0.2)).normalize();
+            let obstacles = [
+                Obstacle::plane("beyond", pose[2] + 0.2 * out, Vec3::new(0.1, 0.2, 0.0) - out).unwrap(),
+                Obstacle::sphere("beside", pose[2] + 0.8 * beside, 0.5).unwrap(),
+            ];
+            let setup = Setup {
+                loads: Loads {
+                    density_kg_m3: 2.0,
+                    gravity_m_s2: Vec3::new(0.3, -1.0, -9.0),
+                    pressure_pa: 4.0,
+                    forces_newton: vec![(1, Vec3::new(1.0, -2.0, 0.5))],
+                },
+                obstacles: &obstacles,
+                contact_thickness_m: 0.5,
+                ..Setup::new(&topology, &rest, &material, &clamps)
+            };
+            assert!(obstacles.iter().all(|o| (0.0..0.5).contains(&o.distance_m(&pose[2]))), "both touch vertex 2");
+            for (stiffness, bending) in [
+                (0.1, Bending::Quadratic(QuadraticBending::new(&topology, &rest, &material))),
+                (1.0, Bending::MidEdge(MidEdgeBending::new(&topology, &rest, &material))),
+            ] {
+                let mut problem = Equilibrium::new(&setup, &clamps, &pose, stiffness, bending);
+                let x = problem.pack(&pose);
+                assert_eq!(x.len(), 3 * pose.len() - 3);
+                let mut gradient = vec![0.0; x.len()];
+                let energy = problem.linearise(&x, &mut gradient);
+                assert!(energy.is_finite() && energy == problem.energy(&x));
+                let mut values = vec![0.0; problem.pattern.entry_count()];
+                problem.hessian(Convexity::Exact, &mut values);
+                let (mut hessian, mut unit) = (Vec::new(), vec![0.0; x.len()]);
+                for i in 0..x.len() {
+                    unit[i] = 1.0;
+                    let mut row = vec![0.0; x.len()];
+                    problem.pattern.multiply(&values, &unit, &mut row);
+                    problem.add_rest_of_hessian(&unit, &mut row);
+                    hessian.extend(row);
+                    unit[i] = 0.0;
+                }
+                let e = gradient_error(&x, 1.0, &gradient, |y| problem.energy(y));
+                assert!(e < 1e-7, "gradient {e:e}");
+                let e = hessian_error(&x, 1.0, &hessian, |y| {
+                    let mut gradient = vec![0.0; x.len()];
+                    problem.linearise(y, &mut gradient);
+                    gradient
+                });
+                assert!(e < 1e-6, "Hessian {e:e}");
+            }
+        }
+    }
+}

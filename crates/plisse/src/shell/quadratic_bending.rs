@@ -9,6 +9,9 @@
 //!
 //! The paper writes α for the coefficient; the bending stiffness of a sheet that bends without stretching is h³/12·(α/2 + β) =
 //! half of Yh³/(12(1 − ν²)), which is used here (with α alone a sheet with ν = 0 would not resist bending).
+//!
+//! Limit: harmonic functions, saddles among them, cost nothing. The membrane must forbid what is not isometric; a strip with free edges
+//! that hardly resists compression (tension field theory) hangs from a clamp like a limp one.
 
 use crate::material::Material;
 use crate::mesh::{NONE, Topology};

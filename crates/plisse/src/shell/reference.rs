@@ -64,7 +64,8 @@ pub fn solve_reference(
     let begun = Instant::now();
     setup.check()?;
     let disturbed = disturb(setup, start, options);
-    let (mut pose, resolved_faces) = prepare(setup, &disturbed)?;
+    let (begin, resolved_faces) = prepare(setup, &disturbed)?;
+    let mut pose = begin.clone();
     let mut held = setup.clamps.clone();
     if setup.floats() {
         pin_rigid_motions(setup.topology, &pose, &mut held);
@@ -82,7 +83,7 @@ pub fn solve_reference(
     };
     let outcome = minimise(&mut problem, &x, &newton, observer)?;
     problem.unpack(&outcome.x, &mut pose);
-    check_outcome("shell", setup, outcome.energy, &pose)?;
+    check_outcome("shell", setup, outcome.energy, &begin, &pose)?;
     let report = ReferenceReport {
         iterations: outcome.iterations,
         ending: outcome.ending,

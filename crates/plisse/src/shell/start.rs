@@ -6,12 +6,13 @@ use super::setup::{Clamps, Setup};
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::mesh::{Topology, Vec3};
+use crate::obstacle::Obstacle;
 use crate::{Error, Result};
 
 /// A surface that encloses less than this part of (area)^1.5 counts as flat.
 const FLAT: f64 = 2e-3;
 /// How round a flat surface is made: part of a half ball's height.
-const ROUNDNESS: f64 = 0.3;
+const ROUNDNESS: f64 = 0.6;
 /// Distance from an obstacle, in contact thicknesses, that vertices are brought to.
 const CLEAR: f64 = 0.5;
 /// Rounds of pushing vertices out of several obstacles.
@@ -20,10 +21,11 @@ const ROUNDS: usize = 100;
 /// The pose to start from, and the faces that were inside an obstacle.
 ///
 /// # Errors
-/// [`Error::Mesh`] naming obstacle and faces if a held vertex is inside one, or free ones are so deep inside (deeper than the mean
-/// edge is long) that nobody knows on which side they belong.
+/// [`Error::Mesh`] naming obstacle and faces if a held vertex is inside one, its clamp takes it through one, or free ones are so deep
+/// inside (deeper than the mean edge is long) that nobody knows on which side they belong.
 pub(super) fn prepare(setup: &Setup<'_>, start: &[Vec3]) -> Result<(Vec<Vec3>, Vec<usize>)> {
     let mut pose = meet_clamps(setup.topology, start, setup.clamps)?;
+    stay_outside(setup, start, &mut pose)?;
     if setup.loads.pressure_pa != 0.0 {
         let least = FLAT * setup.rest.area_m2().powf(1.5);
         if volume_m3(setup.topology, &pose).abs() < least {
@@ -145,6 +147,58 @@ fn push_out(setup: &Setup<'_>, pose: &mut [Vec3]) -> Result<Vec<usize>> {
         }
     }
     Ok((0..topology.face_count()).filter(|&f| topology.faces[f].iter().any(|&v| inside[v])).collect())
+}
+
+/// Keeps vertices from passing through obstacles on their straight way from `start` to `pose`: free ones stop before them.
+fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<()> {
+    let clear = CLEAR * setup.contact_thickness_m;
+    for v in 0..pose.len() {
+        let targets = setup.clamps.targets[v];
+        for obstacle in setup.obstacles {
+            let Some(part) = part_before(obstacle, &start[v], &(pose[v] - start[v]), clear) else { continue };
+            pose[v] = start[v] + (pose[v] - start[v]) * part;
+            for axis in 0..3 {
+                pose[v][axis] = targets[axis].unwrap_or(pose[v][axis]);
+            }
+            let held = targets.iter().any(Option::is_some);
+            // Those that end inside are refused, or pushed out, afterwards.
+            if held && obstacle.distance_m(&pose[v]) > 0.0 && part_before(obstacle, &start[v], &(pose[v] - start[v]), clear).is_some() {
+                let faces: Vec<usize> = (0..setup.topology.face_count()).filter(|&f| setup.topology.faces[f].contains(&v)).collect();
+                let message = format!(
+                    "a clamp takes vertex {v} of faces {} through obstacle \"{}\"; start from a pose on the clamp's side of it",
+                    list(&faces),
+                    obstacle.name
+                );
+                return Err(Error::mesh("start pose", message));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Where a point that moves from `p` outside `obstacle` by `by` (m) is about to enter it: the part of the way on which it keeps
+/// `clear` (m) of it, or as much as it has. `None` if it does not enter, or starts inside.
+fn part_before(obstacle: &Obstacle, p: &Vec3, by: &Vec3, clear: f64) -> Option<f64> {
+    let (length, least) = (by.norm(), 1e-2 * clear);
+    let mut last = obstacle.distance_m(p);
+    if length == 0.0 || last <= 0.0 {
+        return None;
+    }
+    let keep = clear.min(last);
+    let (mut t, mut part) = (0.0, 0.0);
+    // A step as long as the distance never enters.
+    while t < 1.0 {
+        t = (t + last.max(least) / length).min(1.0);
+        let distance = obstacle.distance_m(&(p + by * t));
+        if distance <= 0.0 || (distance < least && distance < last) {
+            return Some(part);
+        }
+        if distance >= keep {
+            part = t;
+        }
+        last = distance;
+    }
+    None
 }
 
 /// The first few of `faces`, in words.

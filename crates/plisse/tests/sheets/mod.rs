@@ -2,16 +2,19 @@
 
 #![allow(dead_code)] // Each test file takes what it needs.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
+use plisse::Result;
 use plisse::field::{FieldOptions, Solved, solve};
+use plisse::linalg::newton::Ending;
 use plisse::material::Material;
 use plisse::mesh::panel::{Outline, Panel};
 use plisse::mesh::sew::{Seam, reversed, sew};
 use plisse::mesh::{Topology, Vec3};
-use plisse::progress::Silent;
+use plisse::progress::{Observer, Silent};
 use plisse::rest::RestMetric;
-use plisse::shell::{BaseOptions, BaseReport, Clamps, Setup, solve_base};
+use plisse::shell::{BaseOptions, BaseReport, Clamps, ReferenceOptions, Setup, solve_base, solve_reference};
 
 /// A surface, its rest metric and a pose.
 #[derive(Clone)]
@@ -46,6 +49,24 @@ impl Sheet {
         Self::flat(&Outline::Rectangle { width_m, height_m }, edge_length_m, seed)
     }
 
+    /// A flat rectangle at rest of `columns` × `rows` squares, all cut the same way, so that any two neighbouring faces form a
+    /// parallelogram: there mid-edge bending converges to that of a plate. Vertex j·(columns + 1) + i is the i-th of row j.
+    pub(crate) fn lattice(width_m: f64, height_m: f64, columns: usize, rows: usize) -> Self {
+        let row = columns + 1;
+        let at = |v: usize| Vec3::new(width_m * (v % row) as f64 / columns as f64, height_m * (v / row) as f64 / rows as f64, 0.0);
+        let positions: Vec<Vec3> = (0..row * (rows + 1)).map(at).collect();
+        let corners = (0..rows * row).filter(|v| (v + 1) % row != 0);
+        let faces: Vec<[usize; 3]> = corners.flat_map(|v| [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]]).collect();
+        Self::new(positions.clone(), faces.clone(), faces, positions)
+    }
+
+    /// A closed ball at rest: an icosahedron of which every face is cut into four `cuts` times, on the sphere of this radius.
+    pub(crate) fn ball(radius_m: f64, cuts: usize) -> Self {
+        let (positions, faces) = icosphere(cuts);
+        let positions: Vec<Vec3> = positions.iter().map(|p| p * radius_m).collect();
+        Self::new(positions.clone(), faces.clone(), faces, positions)
+    }
+
     /// The same sheet with every vertex of the pose moved.
     pub(crate) fn posed(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
         self.pose = self.pose.iter().map(|&p| map(p)).collect();
@@ -65,6 +86,103 @@ impl Sheet {
     /// Middle of face `f` at rest (m).
     pub(crate) fn middle(&self, f: usize) -> Vec3 {
         self.rest_faces[f].iter().map(|&r| self.rest_positions[r]).sum::<Vec3>() / 3.0
+    }
+}
+
+/// Vertices on the unit sphere and faces (counter-clockwise seen from outside) of an icosahedron, cut `cuts` times.
+pub(crate) fn icosphere(cuts: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
+    let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let corners: Vec<Vec3> = (0..3)
+        .flat_map(|axis| {
+            [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)].map(|(a, b)| {
+                let mut p = Vec3::zeros();
+                (p[(axis + 1) % 3], p[(axis + 2) % 3]) = (a, b);
+                p
+            })
+        })
+        .collect();
+    // Faces are the triples of corners that are all 2 apart.
+    let mut faces = Vec::new();
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                let [a, b, c] = [i, j, k].map(|v| corners[v]);
+                if [(a, b), (b, c), (c, a)].iter().all(|(p, q)| (p - q).norm() < 2.1) {
+                    faces.push(if (b - a).cross(&(c - a)).dot(&a) > 0.0 { [i, j, k] } else { [i, k, j] });
+                }
+            }
+        }
+    }
+    let mut positions: Vec<Vec3> = corners.iter().map(|p| p.normalize()).collect();
+    for _ in 0..cuts {
+        let mut middles = BTreeMap::new();
+        let mut middle = |i: usize, j: usize| {
+            *middles.entry([i.min(j), i.max(j)]).or_insert_with(|| {
+                positions.push((positions[i] + positions[j]).normalize());
+                positions.len() - 1
+            })
+        };
+        let cut = |&[i, j, k]: &[usize; 3]| {
+            let [a, b, c] = [middle(i, j), middle(j, k), middle(k, i)];
+            [[i, a, c], [a, j, b], [c, b, k], [a, b, c]]
+        };
+        faces = faces.iter().flat_map(cut).collect();
+    }
+    (positions, faces)
+}
+
+/// The two solves of a shell under loads, for tests that both must pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Solver {
+    Base,
+    Reference,
+}
+
+/// What both solves report.
+#[derive(Clone, Debug)]
+pub(crate) struct Equilibrium {
+    pub(crate) pose: Vec<Vec3>,
+    pub(crate) energy_joule: f64,
+    pub(crate) gradient_newton: f64,
+    pub(crate) iterations: usize,
+    pub(crate) ending: Ending,
+    pub(crate) resolved_faces: Vec<usize>,
+}
+
+impl Equilibrium {
+    /// Whether the solve came to its end by itself.
+    pub(crate) fn settled(&self) -> bool {
+        matches!(self.ending, Ending::Converged | Ending::RoundOff)
+    }
+
+    /// `[V][3]` the pose bit for bit.
+    pub(crate) fn bits(&self) -> Vec<u64> {
+        self.pose.iter().flat_map(|p| p.iter().map(|x| x.to_bits())).collect()
+    }
+}
+
+impl Solver {
+    pub(crate) const BOTH: [Self; 2] = [Self::Base, Self::Reference];
+
+    pub(crate) fn solve(self, setup: &Setup<'_>, start: &[Vec3]) -> Result<Equilibrium> {
+        self.observed(setup, start, &Silent)
+    }
+
+    pub(crate) fn observed(self, setup: &Setup<'_>, start: &[Vec3], observer: &dyn Observer) -> Result<Equilibrium> {
+        match self {
+            Self::Base => {
+                let (pose, r) = solve_base(setup, start, &BaseOptions::default(), observer)?;
+                let (iterations, ending, resolved_faces) = (r.iterations, r.ending, r.resolved_faces);
+                let (energy_joule, gradient_newton) = (r.energy_joule, r.gradient_newton);
+                Ok(Equilibrium { pose, energy_joule, gradient_newton, iterations, ending, resolved_faces })
+            }
+            Self::Reference => {
+                let (pose, r) = solve_reference(setup, start, &ReferenceOptions::default(), observer)?;
+                let (iterations, ending, resolved_faces) = (r.iterations, r.ending, r.resolved_faces);
+                let (energy_joule, gradient_newton) = (r.energy_joule, r.gradient_newton);
+                Ok(Equilibrium { pose, energy_joule, gradient_newton, iterations, ending, resolved_faces })
+            }
+        }
     }
 }
 
