@@ -164,7 +164,7 @@ fn garment(study: &mut Study<'_>, number: usize, scene: &Scene, vertices: &[usiz
         let Some(solution) = study.or_note(&format!("{}, {wanted} vertices", scene.title), outcome)? else { continue };
         study.document.row([
             count(solution.vertices()),
-            maybe(solution.around(), |p| count(p.turns)),
+            maybe(solution.waves_around(), |n| fixed(n, 1)),
             solution.wavelength_mm(),
             fixed(solution.peak_mm(), 3),
             scientific(solution.solved.report.energy_joule),

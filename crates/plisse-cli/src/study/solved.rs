@@ -52,6 +52,12 @@ impl Solution {
         summary.map_or_else(none, |summary| fixed(1e3 * summary.median, 2))
     }
 
+    /// Waves around, as the scene counts them; else most turns around a loop.
+    pub(crate) fn waves_around(&self) -> Option<f64> {
+        let asked = self.measured.iter().find(|measured| measured.unit == "waves").map(|measured| measured.value);
+        asked.or(self.around().map(|period| period.turns as f64))
+    }
+
     /// The first number that the scene asks for.
     pub(crate) fn measure(&self) -> Option<f64> {
         self.measured.first().map(|measured| measured.value)
@@ -66,6 +72,7 @@ pub(crate) fn with_waves_at_half_height(mut scene: Scene) -> Scene {
         name: "waves at half height".to_owned(),
         kind: MeasureKind::WavesAlong,
         panel: Some(panel.name.clone()),
+        side: None,
         from_m: Some([0.0, 0.5 * height]),
         to_m: Some([width, 0.5 * height]),
         published: None,
