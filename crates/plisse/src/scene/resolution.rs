@@ -59,7 +59,7 @@ fn with_edges_scaled(scene: &Scene, factor: f64) -> Scene {
 }
 
 /// `built` with every face cut in four of the same shape, nothing smoothed. What the middle of an edge is held at is the mean of both ends,
-/// if both are held. Measures along lines are left out.
+/// if both are held. Measures along lines and sides are left out.
 ///
 /// # Errors
 /// [`Error::Mesh`] if a face has no area; there is none if `built` comes from [`build`].
@@ -76,7 +76,7 @@ pub fn refined(built: &Built) -> Result<Built> {
     fine.rest = RestMetric::from_shape(&built.title, &rest_positions, &rest_faces)?;
     fine.topology = Topology::new(&built.title, start.len(), faces)?;
     fine.clamps = Clamps { targets: targets.iter().zip(&held).map(clamp).collect() };
-    fine.probes.retain(|probe| !matches!(probe.quantity, Quantity::WavesAlong { .. }));
+    fine.probes.retain(|probe| matches!(probe.quantity, Quantity::LargestPeriod | Quantity::PeakAmplitude));
     fine.texture = built.texture.as_ref().map(|(coordinates, corners)| refine_rest(coordinates, corners));
     for panel in &mut fine.panels {
         panel.faces = 4 * panel.faces.start..4 * panel.faces.end;
