@@ -32,6 +32,11 @@ pub(crate) enum Command {
         Writes base.obj (the start), shell.obj, shell.glb, report.json and picture.png into DIR.\n\
         St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Ctrl-C stops and writes the best state so far.")]
     Shell(ShellArguments),
+    /// Print the tables of Chen et al. 2021 beside what this program finds
+    #[command(after_help = "Example:\n  plisse study ablation -o out/study\n\n\
+        Writes NAME.md, NAME.json and pictures into DIR; 'all' writes validation.md, too. The scenes are built in, so this runs\n\
+        anywhere. Ctrl-C stops and writes the rows that are done.")]
+    Study(StudyArguments),
     /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
     #[command(after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 --thickness 1e-4\n\n\
         Rest and pose have the same faces in the same order; the rest shape may have more vertices (panels, seams).\n\
@@ -134,6 +139,45 @@ pub(crate) struct WrinkleArguments {
     pub(crate) wrinkle_free: Rule,
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+}
+
+#[derive(Args)]
+pub(crate) struct StudyArguments {
+    /// Which study
+    #[arg(value_enum, value_name = "NAME")]
+    pub(crate) name: StudyName,
+    /// Folder for the results
+    #[arg(short, long, value_name = "DIR", default_value = "out/study")]
+    pub(crate) output: PathBuf,
+    /// Small meshes and few of them, to see within a minute that everything runs; the figures mean little
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Most vertices of a reference shell; finer ones are left out (13,000 take minutes each, 100,000 hours)
+    #[arg(long, value_name = "N", default_value_t = 13_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub(crate) shell_limit_vertices: u32,
+    /// Folder with published meshes and solutions (tfw-disk, cylinder-688) for a further table of 'timing'
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) data: Option<PathBuf>,
+    /// Threads to use [default: one for each core]; only the seconds depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+}
+
+/// Names of the studies.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StudyName {
+    /// Vertices, iterations and seconds for base, field and reference shell, per scene (tables 1 and 2)
+    Timing,
+    /// What depends on the number of vertices (figures 7, 20 and 21)
+    Resolution,
+    /// What depends on how the mesh is made (section 6.3, figure 18)
+    Meshing,
+    /// What each term and correction is for (figures 4 and 5)
+    Ablation,
+    /// A scaling law instead of the solve (figures 8 and 10)
+    ScalingLaw,
+    /// All of them, and validation.md
+    All,
 }
 
 /// Names of the axes that can point up.

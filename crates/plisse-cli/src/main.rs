@@ -9,6 +9,7 @@ mod report;
 mod road;
 mod shell;
 mod solve;
+mod study;
 mod wrinkle;
 
 use std::io::Write as _;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
     let result = match arguments.command {
         Command::Solve(arguments) => solve::run(&arguments, &interrupted),
         Command::Shell(arguments) => shell::run(&arguments, &interrupted),
+        Command::Study(arguments) => study::run(&arguments, &interrupted),
         Command::Wrinkle(arguments) => wrinkle::run(&arguments, &interrupted),
     };
     match result {

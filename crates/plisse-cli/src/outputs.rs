@@ -86,12 +86,17 @@ fn bodies_around(pose: &[Vec3], obstacles: &[Obstacle]) -> (Vec<Vec3>, Vec<[usiz
 
 /// Four panels among the scene's bodies, seen from where the pose shows best.
 pub(crate) fn draw_panels(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obstacles: &[Obstacle]) -> Image {
+    draw_panels_at(panels, pose, up, obstacles, PICTURE_SIZE)
+}
+
+/// As [`draw_panels`], `size` pixels large.
+pub(crate) fn draw_panels_at(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obstacles: &[Obstacle], size: (usize, usize)) -> Image {
     let axis = match up {
         Up::Y => Axis::Y,
         Up::Z => Axis::Z,
     };
     let bodies = bodies_around(pose, obstacles);
-    draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), PICTURE_SIZE)
+    draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), size)
 }
 
 /// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.

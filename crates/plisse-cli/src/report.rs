@@ -213,7 +213,8 @@ impl From<&BaseReport> for BaseSummary {
     }
 }
 
-fn wavelengths(topology: &Topology, rest: &RestMetric, field: &WrinkleField, largest: f64) -> Option<WavelengthSummary> {
+/// Of the faces that wrinkle visibly, `largest` (m) being the largest amplitude.
+pub(crate) fn wavelengths(topology: &Topology, rest: &RestMetric, field: &WrinkleField, largest: f64) -> Option<WavelengthSummary> {
     let mut list: Vec<f64> = (0..topology.face_count())
         .filter(|&f| {
             let mean = topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>() / 3.0;

@@ -39,7 +39,7 @@ pub fn compression(strain: &FaceStrain) -> f64 {
     (-strain.principal[0]).max(0.0)
 }
 
-/// The first guess on the faces that are not `wrinkle_free`, with `wavelength_m` everywhere; zero at `held` vertices.
+/// The first guess on the faces that are not `wrinkle_free`, with `wavelength_m` (`[F]`) on each; zero at `held` vertices.
 ///
 /// # Errors
 /// Only if the factorisation's memory cannot be had.
@@ -52,16 +52,17 @@ pub fn first_guess(
     forms: &ClosedForms,
     wrinkle_free: &[bool],
     held: &[bool],
-    wavelength_m: f64,
+    wavelength_m: &[f64],
 ) -> Result<FirstGuess> {
-    let k = wavelength_m / std::f64::consts::TAU;
+    let k: Vec<f64> = wavelength_m.iter().map(|length| length / std::f64::consts::TAU).collect();
     let amount: Vec<f64> = (0..topology.face_count()).map(|f| if wrinkle_free[f] { 0.0 } else { compression(&strain[f]) }).collect();
     let in_space: Vec<Vec3> = (0..topology.face_count())
         .map(|f| (strain[f].deformation * strain[f].directions[0]).try_normalize(0.0).unwrap_or_else(Vec3::zeros) * amount[f])
         .collect();
     let sign = comb(topology, positions, &in_space, wrinkle_free);
-    let target: Vec<Vec2> =
-        (0..topology.face_count()).map(|f| if amount[f] > 0.0 { strain[f].directions[0] * (sign[f] / k) } else { Vec2::zeros() }).collect();
+    let target: Vec<Vec2> = (0..topology.face_count())
+        .map(|f| if amount[f] > 0.0 { strain[f].directions[0] * (sign[f] / k[f]) } else { Vec2::zeros() })
+        .collect();
     // Strongly pressed faces decide; the others must only not make the equations singular.
     let largest = amount.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let weight: Vec<f64> = (0..topology.face_count()).map(|f| if wrinkle_free[f] { 0.0 } else { amount[f] / largest + 1e-6 }).collect();
@@ -70,7 +71,7 @@ pub fn first_guess(
     let (mut sum, mut area) = (vec![0.0; topology.vertex_count], vec![0.0; topology.vertex_count]);
     for f in (0..topology.face_count()).filter(|&f| !wrinkle_free[f]) {
         for v in topology.faces[f] {
-            sum[v] += rest.faces[f].area_m2 * k * (2.0 * amount[f]).sqrt();
+            sum[v] += rest.faces[f].area_m2 * k[f] * (2.0 * amount[f]).sqrt();
             area[v] += rest.faces[f].area_m2;
         }
     }

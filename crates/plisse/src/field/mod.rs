@@ -3,6 +3,7 @@
 //! [`solve`] makes one from a rest metric and a pose: [`wrinkle_free`] faces are left out, [`curvature`] is fitted,
 //! [`closed_forms`] spans all frequencies that can be integrated, [`initialise`] guesses (after [`comb`]ing), [`problem`] is
 //! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole turns. [`json`] writes fields to files.
+//! [`mod@scaling_law`] makes one without a solve, for comparison.
 
 pub mod closed_forms;
 pub mod closest_closed_form;
@@ -13,11 +14,13 @@ pub mod initialise;
 pub mod json;
 pub mod phase_unknowns;
 pub mod problem;
+pub mod scaling_law;
 mod solve;
 pub mod wrinkle_free;
 
 pub use density::{EnergyTerms, Terms};
-pub use solve::{FieldOptions, FieldReport, Period, Solved, solve};
+pub use scaling_law::{ScalingLaw, scaling_law};
+pub use solve::{FieldOptions, FieldReport, Period, Solved, energy, solve};
 pub use wrinkle_free::WrinkleFreeRule;
 
 use crate::mesh::Topology;

@@ -13,7 +13,7 @@ use super::problem::FieldProblem;
 use super::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
 use crate::linalg::newton::{Convexity, Ending, Options, minimise};
 use crate::material::Material;
-use crate::mesh::{Topology, Vec3};
+use crate::mesh::{Mat3, Topology, Vec3};
 use crate::progress::Observer;
 use crate::rest::RestMetric;
 use crate::strain::{FaceStrain, strain};
@@ -120,15 +120,7 @@ pub fn solve(
     material.check_thin(rest.area_m2())?;
     let begun = Instant::now();
     let strain = strain(topology, rest, positions);
-    let wrinkle_free = if options.relaxed_integrability {
-        wrinkle_free_faces(topology, &strain, options.rule)
-    } else {
-        vec![false; topology.face_count()]
-    };
-    let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
-    for (still, &held) in still.iter_mut().zip(held) {
-        *still |= held;
-    }
+    let (wrinkle_free, still) = where_nothing_wrinkles(topology, &strain, held, options);
     let forms = ClosedForms::new(topology, &wrinkle_free);
     let curvature = second_forms(topology, positions, options.curvature_rings);
     let densities: Vec<Density> =
@@ -137,7 +129,7 @@ pub fn solve(
         (0..topology.face_count()).filter(|&f| wrinkle_free[f]).fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
 
     let wavelength_m = first_wavelength_m(material, positions);
-    let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, wavelength_m)?;
+    let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, &vec![wavelength_m; topology.face_count()])?;
     let (amplitude_unit_m, energy_unit_joule) = units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
     let mut problem = FieldProblem::new(topology, &forms, &wrinkle_free, &still, &densities, amplitude_unit_m, energy_unit_joule);
     let mut start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
@@ -156,14 +148,101 @@ pub fn solve(
     }
     let amplitude_m = problem.amplitudes_m(&outcome.x);
     let (phases, coefficients) = (problem.phases(&outcome.x), problem.coefficients(&outcome.x));
-    let omega = one_form(topology, &forms, &phases, &coefficients);
     let projected_gradient = problem.projected_gradient_si(&outcome.x, &outcome.gradient);
     let field_seconds = begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
+    let Phased { field, periods, rounding_exact } = with_phase(topology, rest, &forms, &wrinkle_free, amplitude_m, &phases, &coefficients)?;
+    let energy_terms = sum_of_terms(topology, rest, &strain, &curvature, material, &options.terms, &field);
+    let report = FieldReport {
+        iterations: outcome.iterations,
+        ending: outcome.ending,
+        // The sum over no faces is −0.
+        energy_joule: outcome.energy * energy_unit_joule + 0.0,
+        energy_terms,
+        wrinkle_free_energy_joule,
+        projected_gradient,
+        periods,
+        rounding_exact,
+        field_seconds,
+        phase_seconds: begun.elapsed().as_secs_f64(),
+    };
+    Ok(Solved { field, report })
+}
+
+/// Energy of `field` on the pose `positions` (`[V]`, m) by terms: of its wrinkled faces, without the constant bending of the base surface.
+pub fn energy(
+    topology: &Topology,
+    rest: &RestMetric,
+    positions: &[Vec3],
+    material: &Material,
+    options: &FieldOptions,
+    field: &WrinkleField,
+) -> EnergyTerms {
+    let curvature = second_forms(topology, positions, options.curvature_rings);
+    sum_of_terms(topology, rest, &strain(topology, rest, positions), &curvature, material, &options.terms, field)
+}
+
+fn sum_of_terms(
+    topology: &Topology,
+    rest: &RestMetric,
+    strain: &[FaceStrain],
+    curvature: &[Mat3],
+    material: &Material,
+    terms: &Terms,
+    field: &WrinkleField,
+) -> EnergyTerms {
+    let mut sum = EnergyTerms::default();
+    for f in (0..topology.face_count()).filter(|&f| !field.wrinkle_free[f]) {
+        let local = local_unknowns(topology, field, f);
+        let part = energy_terms(&rest.faces[f], &strain[f], &curvature[f], material, terms, &local);
+        sum.stretching_joule += part.stretching_joule;
+        sum.curvature_joule += part.curvature_joule;
+        sum.mixed_joule += part.mixed_joule;
+        sum.amplitude_gradient_joule += part.amplitude_gradient_joule;
+        sum.bending_joule += part.bending_joule;
+    }
+    sum
+}
+
+/// The wrinkle-free faces (`[F]`), and the vertices (`[V]`) whose amplitude is zero because they touch one or are `held`.
+pub(super) fn where_nothing_wrinkles(
+    topology: &Topology,
+    strain: &[FaceStrain],
+    held: &[bool],
+    options: &FieldOptions,
+) -> (Vec<bool>, Vec<bool>) {
+    let wrinkle_free =
+        if options.relaxed_integrability { wrinkle_free_faces(topology, strain, options.rule) } else { vec![false; topology.face_count()] };
+    let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
+    for (still, &held) in still.iter_mut().zip(held) {
+        *still |= held;
+    }
+    (wrinkle_free, still)
+}
+
+/// A field whose phase gains whole turns around every loop.
+pub(super) struct Phased {
+    pub(super) field: WrinkleField,
+    /// `[b₁]` the largest first.
+    pub(super) periods: Vec<Period>,
+    pub(super) rounding_exact: bool,
+}
+
+/// The field of these amplitudes (`[V]`, m), phases (`[V]`, rad) and coefficients (`[b₁]`, rad): its ω as they say, its phase rounded to whole turns.
+pub(super) fn with_phase(
+    topology: &Topology,
+    rest: &RestMetric,
+    forms: &ClosedForms,
+    wrinkle_free: &[bool],
+    amplitude_m: Vec<f64>,
+    phases: &[f64],
+    coefficients: &[f64],
+) -> Result<Phased> {
+    let omega = one_form(topology, forms, phases, coefficients);
     let weight: Vec<f64> = wrinkle_free.iter().map(|&free| if free { 0.0 } else { 1.0 }).collect();
-    let rounded = ClosestClosedForm::new(topology, rest, &forms, &weight)?.with_whole_periods(&phases, &coefficients);
-    let phase = corner_phases(topology, &forms, &wrinkle_free, &rounded.phases, &rounded.turns);
+    let rounded = ClosestClosedForm::new(topology, rest, forms, &weight)?.with_whole_periods(phases, coefficients);
+    let phase = corner_phases(topology, forms, wrinkle_free, &rounded.phases, &rounded.turns);
     let mut periods: Vec<Period> = (0..coefficients.len())
         .map(|k| Period {
             turns: rounded.turns[k].abs(),
@@ -172,32 +251,8 @@ pub fn solve(
         })
         .collect();
     periods.sort_by(|p, q| q.turns.cmp(&p.turns).then(q.before_rounding.total_cmp(&p.before_rounding)));
-
-    let field = WrinkleField { amplitude_m, omega, phase, wrinkle_free };
-    let mut sum = EnergyTerms::default();
-    for f in (0..topology.face_count()).filter(|&f| !field.wrinkle_free[f]) {
-        let local = local_unknowns(topology, &field, f);
-        let part = energy_terms(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms, &local);
-        sum.stretching_joule += part.stretching_joule;
-        sum.curvature_joule += part.curvature_joule;
-        sum.mixed_joule += part.mixed_joule;
-        sum.amplitude_gradient_joule += part.amplitude_gradient_joule;
-        sum.bending_joule += part.bending_joule;
-    }
-    let report = FieldReport {
-        iterations: outcome.iterations,
-        ending: outcome.ending,
-        // The sum over no faces is −0.
-        energy_joule: outcome.energy * energy_unit_joule + 0.0,
-        energy_terms: sum,
-        wrinkle_free_energy_joule,
-        projected_gradient,
-        periods,
-        rounding_exact: rounded.exact,
-        field_seconds,
-        phase_seconds: begun.elapsed().as_secs_f64(),
-    };
-    Ok(Solved { field, report })
+    let field = WrinkleField { amplitude_m, omega, phase, wrinkle_free: wrinkle_free.to_vec() };
+    Ok(Phased { field, periods, rounding_exact: rounded.exact })
 }
 
 /// Unknowns of face `f` in the order of [`Local`].

@@ -14,6 +14,7 @@ pub mod measure;
 mod measure_shell;
 mod panels;
 pub mod read;
+mod resolution;
 pub mod schema;
 
 pub use build::{Built, BuiltPanel, build};
@@ -21,4 +22,5 @@ pub use check::MOST_LEVELS;
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use measure_shell::measure_shell;
 pub use read::{parse, read};
+pub use resolution::{refined, with_vertices};
 pub use schema::Scene;

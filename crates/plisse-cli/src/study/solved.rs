@@ -1,0 +1,200 @@
+//! A scene solved for a study, and how it is drawn.
+
+use plisse::field::{Period, Solved, WrinkleField, solve};
+use plisse::linalg::newton::Ending;
+use plisse::mesh::Vec3;
+use plisse::picture::{Paint, PanelView, Subject, write_png};
+use plisse::scene::schema::{MeasureKind, MeasureTable};
+use plisse::scene::{self, Built, Measured, Scene};
+use plisse::shell::{BaseReport, ReferenceOptions, ReferenceReport, solve_base, solve_reference};
+use plisse::surface::{Displacement, displace, keep_out, suggest_levels, upsample};
+
+use super::table::{Cell, Illustration, fixed, none};
+use super::{Stop, Study};
+use crate::arguments::Up;
+use crate::outputs::{BASE_SRGB, CLOTH_SRGB, draw_panels_at};
+use crate::report::wavelengths;
+
+/// Size of a study's pictures (pixels).
+const SIZE: (usize, usize) = (960, 720);
+/// Most faces of a surface in them: more do not show.
+const FACES: usize = 300_000;
+/// Roughness of the reference shell's start, in thicknesses.
+const IMPERFECTION: f64 = 0.1;
+
+/// A scene with its base surface and its field.
+pub(crate) struct Solution {
+    pub(crate) built: Built,
+    pub(crate) pose: Vec<Vec3>,
+    pub(crate) base: BaseReport,
+    pub(crate) solved: Solved,
+    pub(crate) measured: Vec<Measured>,
+}
+
+impl Solution {
+    pub(crate) fn vertices(&self) -> usize {
+        self.pose.len()
+    }
+
+    /// Most turns around a loop.
+    pub(crate) fn around(&self) -> Option<Period> {
+        self.solved.report.periods.first().copied()
+    }
+
+    /// Largest amplitude (mm).
+    pub(crate) fn peak_mm(&self) -> f64 {
+        peak_mm(&self.solved.field)
+    }
+
+    /// Median wavelength (mm) of what wrinkles visibly.
+    pub(crate) fn wavelength_mm(&self) -> Cell {
+        let summary = wavelengths(&self.built.topology, &self.built.rest, &self.solved.field, 1e-3 * self.peak_mm());
+        summary.map_or_else(none, |summary| fixed(1e3 * summary.median, 2))
+    }
+
+    /// Waves around, as the scene counts them; else most turns around a loop.
+    pub(crate) fn waves_around(&self) -> Option<f64> {
+        let asked = self.measured.iter().find(|measured| measured.unit == "waves").map(|measured| measured.value);
+        asked.or(self.around().map(|period| period.turns as f64))
+    }
+
+    /// The first number that the scene asks for.
+    pub(crate) fn measure(&self) -> Option<f64> {
+        self.measured.first().map(|measured| measured.value)
+    }
+}
+
+/// Scene 01 with waves counted around half its height, for shells: they have no phase whose turns could be counted.
+pub(crate) fn with_waves_at_half_height(mut scene: Scene) -> Scene {
+    let panel = &scene.panel[0];
+    let (width, height) = (panel.width_m.unwrap_or(1.0), panel.height_m.unwrap_or(1.0));
+    scene.measure.push(MeasureTable {
+        name: "waves at half height".to_owned(),
+        kind: MeasureKind::WavesAlong,
+        panel: Some(panel.name.clone()),
+        side: None,
+        from_m: Some([0.0, 0.5 * height]),
+        to_m: Some([width, 0.5 * height]),
+        published: None,
+        source: None,
+    });
+    scene
+}
+
+/// Largest amplitude (mm).
+pub(crate) fn peak_mm(field: &WrinkleField) -> f64 {
+    1e3 * field.amplitude_m.iter().copied().fold(0.0, f64::max)
+}
+
+impl Study<'_> {
+    /// The base surface and the field of a scene.
+    pub(crate) fn solve(&self, built: Built) -> Result<Solution, Stop> {
+        let (pose, base) = self.base(&built)?;
+        self.solve_on(built, pose, base)
+    }
+
+    /// The base surface of a scene.
+    pub(crate) fn base(&self, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
+        self.go_on()?;
+        let found = solve_base(&built.setup(), &built.start, &built.base, self.bars)?;
+        self.bars.finish();
+        self.go_on()?;
+        Ok(found)
+    }
+
+    /// The field of a scene on a base surface.
+    pub(crate) fn solve_on(&self, built: Built, pose: Vec<Vec3>, base: BaseReport) -> Result<Solution, Stop> {
+        self.go_on()?;
+        let held = built.clamps.held();
+        let solved = solve(&built.topology, &built.rest, &pose, &held, &built.material, &built.field, self.bars)?;
+        self.bars.finish();
+        self.go_on()?;
+        let measured = scene::measure(&built, &solved.field, &solved.report);
+        Ok(Solution { built, pose, base, solved, measured })
+    }
+
+    /// The reference shell of a scene from its base surface.
+    pub(crate) fn shell(&mut self, built: &Built, base: &[Vec3]) -> Result<(Vec<Vec3>, ReferenceReport), Stop> {
+        self.go_on()?;
+        let limit = if self.quick { 30 } else { ReferenceOptions::default().iteration_limit };
+        let imperfection_m = IMPERFECTION * built.material.thickness_m;
+        let options = ReferenceOptions { imperfection_m, iteration_limit: limit, ..ReferenceOptions::default() };
+        let found = solve_reference(&built.setup(), base, &options, self.bars)?;
+        self.bars.finish();
+        self.go_on()?;
+        if found.1.ending == Ending::IterationLimit {
+            let note = format!("{}, reference shell of {} vertices: stopped after {limit} iterations", built.title, base.len());
+            self.document.notes.push(note);
+        }
+        Ok(found)
+    }
+
+    /// Draws four surfaces of the scene `built` into `name`.png.
+    pub(crate) fn picture(&mut self, name: &str, caption: &str, built: &Built, looks: &[Look; 4]) -> Result<(), Stop> {
+        let spinner = self.bars.spinner("picture");
+        let panels = looks.each_ref().map(Look::panel);
+        let image = draw_panels_at(&panels, &looks[0].positions, Up::Z, &built.obstacles, SIZE);
+        let file = format!("{name}.png");
+        self.folder.write(&file, |out| write_png(&image, out))?;
+        drop(spinner);
+        self.document.pictures.push(Illustration { file, caption: caption.to_owned() });
+        Ok(())
+    }
+}
+
+/// A surface to draw.
+pub(crate) struct Look {
+    title: String,
+    positions: Vec<Vec3>,
+    faces: Vec<[usize; 3]>,
+    paint: LookPaint,
+}
+
+enum LookPaint {
+    Mesh,
+    Cloth,
+    Phase(Vec<[f64; 3]>),
+}
+
+impl Look {
+    /// A coarse mesh with its edges.
+    pub(crate) fn mesh(title: &str, built: &Built, positions: &[Vec3]) -> Self {
+        Self { title: title.to_owned(), positions: positions.to_vec(), faces: built.topology.faces.clone(), paint: LookPaint::Mesh }
+    }
+
+    /// A fine mesh.
+    pub(crate) fn cloth(title: &str, built: &Built, positions: &[Vec3]) -> Self {
+        Self { paint: LookPaint::Cloth, ..Self::mesh(title, built, positions) }
+    }
+
+    /// The surface that `field` wrinkles; `v2`: with the in-plane correction.
+    pub(crate) fn wrinkled(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField, v2: bool) -> Self {
+        let fine = upsample(&built.topology, pose, field, &built.rest_positions, &built.rest_faces, levels(built, field));
+        let mut positions = displace(&fine, &Displacement { v2, v1: None });
+        keep_out(&mut positions, &built.obstacles, 0.5 * built.material.thickness_m);
+        Self { title: title.to_owned(), positions, faces: fine.topology.faces, paint: LookPaint::Cloth }
+    }
+
+    /// The phase on the base surface.
+    pub(crate) fn phase(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Self {
+        let fine = upsample(&built.topology, pose, field, &built.rest_positions, &built.rest_faces, levels(built, field));
+        let corners = fine.phase.iter().zip(&fine.wrinkle_free).map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase }).collect();
+        Self { title: title.to_owned(), positions: fine.base, faces: fine.topology.faces, paint: LookPaint::Phase(corners) }
+    }
+
+    fn panel(&self) -> PanelView<'_> {
+        let paint = match &self.paint {
+            LookPaint::Mesh => Paint::Plain { colour: BASE_SRGB, wireframe: true },
+            LookPaint::Cloth => Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
+            LookPaint::Phase(corners) => Paint::Phase { corners },
+        };
+        PanelView { title: &self.title, subject: Subject { positions: &self.positions, faces: &self.faces }, paint }
+    }
+}
+
+/// Subdivisions that show the wrinkles.
+fn levels(built: &Built, field: &WrinkleField) -> usize {
+    let median = wavelengths(&built.topology, &built.rest, field, 1e-3 * peak_mm(field)).map(|summary| summary.median);
+    let wanted = suggest_levels(&built.topology, &built.rest, median);
+    (0..=wanted).rev().find(|&levels| built.topology.face_count() * 4_usize.pow(levels as u32) <= FACES).unwrap_or(0)
+}

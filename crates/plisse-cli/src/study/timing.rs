@@ -1,0 +1,284 @@
+//! Vertices, iterations and seconds of base, field and reference shell (tables 1 and 2 of [Chen 2021]).
+
+use std::path::Path;
+
+use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
+use plisse::io::{clamp_file, obj};
+use plisse::material::Material;
+use plisse::mesh::Topology;
+use plisse::rest::RestMetric;
+use plisse::scene::{self, Scene};
+
+use super::solved::{Look, Solution, peak_mm, with_waves_at_half_height};
+use super::table::{count, fixed, maybe, none, scientific, text};
+use super::{Stop, Study, scenes};
+
+/// What was published about a scene's solves.
+struct Published {
+    scene: usize,
+    /// Of the field: vertices, iterations and seconds of base and field (table 2, 8 cores).
+    vertices: &'static str,
+    base: Option<(u32, f64)>,
+    field: Option<(u32, f64)>,
+    /// Seconds of the published code on a 2-core machine: base and field.
+    here: Option<(f64, f64)>,
+    /// Vertices of the reference shell that shows the same wrinkles (table 1).
+    shell_vertices: Option<usize>,
+    /// Seconds until the picture stands still: field and reference shell (table 1).
+    stable: Option<(f64, f64)>,
+}
+
+const PUBLISHED: [Published; 11] = [
+    entry(1, "688", Some((12, 0.69)), Some((813, 104.92)), Some((1.0, 73.7)), Some(96_000), Some((50.94, 1528.68))),
+    entry(2, "522", Some((10, 0.45)), Some((23, 3.93)), None, Some(260_000), Some((2.57, 886.80))),
+    entry(3, "1k", Some((21, 2.27)), Some((147, 27.52)), None, Some(20_000), Some((9.63, 673.11))),
+    entry(4, "1.6k", None, Some((46, 15.06)), None, None, None),
+    entry(5, "1.4k", None, Some((72, 29.74)), Some((372.0, 19.9)), Some(40_000), None),
+    entry(6, "4k", None, Some((74, 141.74)), None, Some(60_000), None),
+    entry(7, "2k", Some((11, 2.27)), Some((125, 74.82)), None, Some(40_000), Some((44.81, 57.29))),
+    entry(8, "5k", Some((33, 16.04)), Some((91, 125.33)), None, Some(40_000), Some((52.33, 76.52))),
+    entry(9, "936", Some((8, 0.78)), Some((46, 7.32)), None, Some(30_000), Some((1.98, 148.37))),
+    entry(10, "2k", Some((3, 0.93)), Some((1001, 322.25)), None, Some(98_000), Some((26.29, 251.91))),
+    entry(11, "–", None, None, None, None, None),
+];
+
+const fn entry(
+    scene: usize,
+    vertices: &'static str,
+    base: Option<(u32, f64)>,
+    field: Option<(u32, f64)>,
+    here: Option<(f64, f64)>,
+    shell_vertices: Option<usize>,
+    stable: Option<(f64, f64)>,
+) -> Published {
+    Published { scene, vertices, base, field, here, shell_vertices, stable }
+}
+
+/// Steps shorter than this (s) are run again, and the median of [`RUNS`] counts.
+const SHORT: f64 = 2.0;
+const RUNS: usize = 3;
+
+pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
+    base_and_field(study)?;
+    shells(study)?;
+    match study.data.clone() {
+        Some(data) => published_data(study, &data),
+        None => Ok(()),
+    }
+}
+
+/// The scenes of this study.
+fn each(quick: bool) -> Result<Vec<(&'static Published, Scene)>, Stop> {
+    let mut list = Vec::new();
+    for published in PUBLISHED.iter().filter(|published| !quick || published.scene <= 3) {
+        if let Some(scene) = scenes::numbered(published.scene)? {
+            list.push((published, if published.scene == 1 { with_waves_at_half_height(scene) } else { scene }));
+        }
+    }
+    Ok(list)
+}
+
+fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
+    study.document.table(
+        "Base surface and field",
+        "Seconds, medians where they are short. Published: Chen et al. 2021, table 2, 8 cores at 3.6 GHz, 1000 iterations at most; their code on a \
+         2-core machine where that was measured (on its own base surface of about the same size). Ratio: their field seconds, on 2 cores where \
+         known, divided by ours.",
+        &[
+            "scene",
+            "vertices",
+            "published vertices",
+            "base: iterations",
+            "base: seconds",
+            "published base: iterations",
+            "published base: seconds",
+            "field: iterations",
+            "field: seconds",
+            "published field: iterations",
+            "published field: seconds (8 cores)",
+            "their code (2 cores), field: seconds",
+            "ratio",
+        ],
+    );
+    for (published, scene) in each(study.quick)? {
+        let outcome = scene::build(&scene).map_err(Stop::from).and_then(|built| timed(study, built));
+        let Some((solution, base_seconds, field_seconds)) = study.or_note(&scene.title, outcome)? else { continue };
+        let theirs = published.here.map(|(_, field)| field).or(published.field.map(|(_, seconds)| seconds));
+        study.document.row([
+            text(&scene.title),
+            count(solution.vertices()),
+            text(published.vertices),
+            count(solution.base.iterations),
+            fixed(base_seconds, 3),
+            maybe(published.base, |(iterations, _)| count(iterations)),
+            maybe(published.base, |(_, seconds)| fixed(seconds, 2)),
+            count(solution.solved.report.iterations),
+            fixed(field_seconds, 3),
+            maybe(published.field, |(iterations, _)| count(iterations)),
+            maybe(published.field, |(_, seconds)| fixed(seconds, 2)),
+            maybe(published.here, |(_, seconds)| fixed(seconds, 1)),
+            maybe(theirs, |seconds| fixed(seconds / field_seconds, 0)),
+        ]);
+    }
+    Ok(())
+}
+
+/// A scene solved, and the seconds of its base and field.
+fn timed(study: &Study<'_>, built: scene::Built) -> Result<(Solution, f64, f64), Stop> {
+    let solution = study.solve(built)?;
+    let (mut base, mut field) = (vec![solution.base.seconds], vec![solution.solved.report.field_seconds]);
+    while base[0] < SHORT && base.len() < RUNS {
+        base.push(study.base(&solution.built)?.1.seconds);
+    }
+    while field[0] < SHORT && field.len() < RUNS {
+        let again = study.solve_on(solution.built.clone(), solution.pose.clone(), solution.base.clone())?;
+        field.push(again.solved.report.field_seconds);
+    }
+    Ok((solution, median(base), median(field)))
+}
+
+fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
+    study.document.table(
+        "Field against reference shell",
+        "Equal quality means the vertices of table 1 of Chen et al. 2021, at which their shell shows its wrinkles. Where that is beyond the limit \
+         of vertices, the shell is run at the limit: its seconds, and the ratio, are lower bounds (>). Ratio: seconds of the shell divided by seconds of the field, \
+         both from the base surface on; published ratio: stable times of table 1. Waves by the scene's first measure in waves.",
+        &[
+            "scene",
+            "field: vertices",
+            "field: seconds",
+            "field: waves",
+            "shell: vertices",
+            "published shell: vertices",
+            "shell: iterations",
+            "shell: seconds",
+            "shell: waves",
+            "ratio",
+            "published ratio",
+        ],
+    );
+    for (published, scene) in each(study.quick)? {
+        let Some(equal) = published.shell_vertices else { continue };
+        let limit = if study.quick { study.shell_limit.min(500) } else { study.shell_limit };
+        let what = format!("{}, reference shell", scene.title);
+        let outcome = one_shell(study, published, &scene, equal, limit);
+        study.or_note(&what, outcome)?;
+    }
+    Ok(())
+}
+
+fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal: usize, limit: usize) -> Result<(), Stop> {
+    let (solution, _, field_seconds) = timed(study, scene::build(scene)?)?;
+    let (_, built) = scene::with_vertices(scene, equal.min(limit))?;
+    let (base, _) = study.base(&built)?;
+    let (pose, report) = study.shell(&built, &base)?;
+    let in_waves = |measured: &[scene::Measured]| measured.iter().find(|m| m.unit == "waves" && m.name != "waves around").map(|m| m.value);
+    let ratio = fixed(report.seconds / field_seconds, 0);
+    study.document.row([
+        text(&scene.title),
+        count(solution.vertices()),
+        fixed(field_seconds, 3),
+        maybe(in_waves(&solution.measured), |n| fixed(n, 1)),
+        count(pose.len()),
+        count(equal),
+        count(report.iterations),
+        fixed(report.seconds, 1),
+        maybe(in_waves(&scene::measure_shell(&built, &base, &pose)), |n| fixed(n, 1)),
+        if equal > limit { ratio.above() } else { ratio },
+        maybe(published.stable, |(field, shell)| fixed(shell / field, 1)),
+    ]);
+    let looks = [
+        Look::mesh("Base surface", &solution.built, &solution.pose),
+        Look::wrinkled(&format!("Field, {} vertices", solution.vertices()), &solution.built, &solution.pose, &solution.solved.field, true),
+        Look::mesh("Mesh of the shell", &built, &base),
+        Look::cloth(&format!("Reference shell, {} vertices", pose.len()), &built, &pose),
+    ];
+    let (name, caption) = (format!("timing-{:02}", published.scene), format!("{}: field and reference shell", scene.title));
+    study.picture(&name, &caption, &solution.built, &looks)
+}
+
+/// A published mesh, its clamps, and figures: energy (J), largest amplitude (mm), waves; seconds of the published code.
+type PublishedData = (&'static str, Option<&'static str>, [&'static str; 3], f64);
+
+const DATA: [PublishedData; 3] = [
+    ("tfw-disk", None, ["1.973936e-2", "1.0544", "85"], 1.13),
+    ("tfw-disk", Some("clamped.dat"), ["–"; 3], 4.37),
+    ("cylinder-688", Some("clamp.dat"), ["8.035660e-1", "14.623", "47"], 73.7),
+];
+
+fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
+    study.document.table(
+        "On published data",
+        "The same rest shape, pose and material as the published code, whose wrinkle-free faces are found as it does; nothing but the field is solved. \
+         Published figures: what that code finds, and its seconds, on a 2-core machine.",
+        &[
+            "mesh",
+            "energy (J)",
+            "published energy (J)",
+            "largest amplitude (mm)",
+            "published amplitude (mm)",
+            "amplitudes differ by (%, root mean square)",
+            "waves before rounding",
+            "waves",
+            "published waves",
+            "iterations",
+            "seconds",
+            "published code (s)",
+            "ratio",
+        ],
+    );
+    let material = Material::new(1e7, 0.44, 1e-4)?;
+    for (name, clamp, [energy, amplitude, waves], seconds) in DATA {
+        let folder = data.join(name);
+        let rest_shape = obj::read(&folder.join("rest.obj"))?;
+        let pose = obj::read_pose(&folder.join("pose.obj"), &rest_shape)?;
+        let rest = RestMetric::from_shape(name, &rest_shape.positions, &rest_shape.faces)?;
+        let topology = Topology::new(name, pose.positions.len(), pose.faces)?;
+        let mut held = vec![false; topology.vertex_count];
+        if let Some(file) = clamp {
+            for v in clamp_file::read_clamped_vertices(&folder.join(file), topology.vertex_count)? {
+                held[v] = true;
+            }
+        }
+        let options = FieldOptions { rule: WrinkleFreeRule::Published, ..FieldOptions::default() };
+        let mut runs: Vec<Solved> = Vec::new();
+        for _ in 0..RUNS {
+            runs.push(solve(&topology, &rest, &pose.positions, &held, &material, &options, study.bars)?);
+            study.bars.finish();
+            study.go_on()?;
+        }
+        let ours = median(runs.iter().map(|run| run.report.field_seconds).collect());
+        let (report, found) = (&runs[0].report, &runs[0].field);
+        let around = report.periods.first().copied();
+        let difference = if clamp.is_none() { amplitudes_differ(&folder, &found.amplitude_m) } else { None };
+        study.document.row([
+            text(format!("{name}{}", if clamp.is_some() { ", rim held" } else { "" })),
+            scientific(report.energy_joule),
+            text(energy),
+            fixed(peak_mm(found), 4),
+            text(amplitude),
+            difference.map_or_else(none, |percent| fixed(percent, 3)),
+            maybe(around, |p| fixed(p.before_rounding, 2)),
+            maybe(around, |p| count(p.turns)),
+            text(waves),
+            count(report.iterations),
+            fixed(ours, 4),
+            fixed(seconds, 2),
+            fixed(seconds / ours, 0),
+        ]);
+    }
+    Ok(())
+}
+
+/// Root mean square difference (%) from the amplitudes in `amplitude.txt`, if there is one.
+fn amplitudes_differ(folder: &Path, ours_m: &[f64]) -> Option<f64> {
+    let text = std::fs::read_to_string(folder.join("amplitude.txt")).ok()?;
+    let published: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let difference: f64 = published.iter().zip(ours_m).map(|(a, b)| (a - b).powi(2)).sum();
+    Some(100.0 * (difference / published.iter().map(|a| a * a).sum::<f64>()).sqrt())
+}
+
+fn median(mut list: Vec<f64>) -> f64 {
+    list.sort_by(f64::total_cmp);
+    list[list.len() / 2]
+}
