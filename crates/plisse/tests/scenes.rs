@@ -1,0 +1,102 @@
+//! Every scene in `examples/` builds: as many vertices as it says, in one piece, closed where pressure acts, thin, and free of obstacles.
+
+use std::path::{Path, PathBuf};
+
+use plisse::mesh::NONE;
+use plisse::scene::{Built, build, read};
+
+/// Vertices of each scene, as its comment or the paper says, and panels.
+const SCENES: [(&str, usize, usize); 11] = [
+    ("01-twisted-cylinder.toml", 688, 1),
+    ("02-stretched-sheet.toml", 522, 1),
+    ("03-sheared-rectangle.toml", 1000, 1),
+    ("04-sphere-drape.toml", 1600, 1),
+    ("05-dress.toml", 1400, 2),
+    ("06-trousers.toml", 2300, 4),
+    ("07-torus.toml", 2000, 2),
+    ("08-balloon.toml", 5000, 2),
+    ("09-teabag.toml", 936, 2),
+    ("10-bear.toml", 2000, 17),
+    ("11-curtain.toml", 1350, 1),
+];
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
+}
+
+fn built(name: &str) -> Built {
+    let scene = read(&examples().join(name)).unwrap_or_else(|e| panic!("{e}"));
+    build(&scene).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Vertices that hang together with the first.
+fn reached(built: &Built) -> usize {
+    let mut part: Vec<usize> = (0..built.topology.vertex_count).collect();
+    loop {
+        let mut changed = false;
+        for &[i, j] in &built.topology.edges {
+            let low = part[i].min(part[j]);
+            changed |= part[i] != low || part[j] != low;
+            (part[i], part[j]) = (low, low);
+        }
+        if !changed {
+            return part.iter().filter(|&&p| p == 0).count();
+        }
+    }
+}
+
+#[test]
+fn all_examples_are_listed_here() {
+    let entries = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut there: Vec<String> = entries.filter(|name| name.ends_with(".toml")).collect();
+    there.sort();
+    assert_eq!(there, SCENES.map(|(name, ..)| name.to_owned()));
+}
+
+#[test]
+fn every_example_opens_with_what_it_is() {
+    for (name, ..) in SCENES {
+        assert!(std::fs::read_to_string(examples().join(name)).unwrap().starts_with("# "), "{name}");
+    }
+}
+
+#[test]
+fn every_example_is_one_surface_of_the_stated_size() {
+    for (name, vertices, panels) in SCENES {
+        let built = built(name);
+        let count = built.topology.vertex_count;
+        assert!(count.abs_diff(vertices) * 10 <= vertices, "{name}: {count} vertices, not about {vertices}");
+        assert_eq!(built.panels.len(), panels, "{name}");
+        assert_eq!(reached(&built), count, "{name} is in several parts");
+        assert!(built.rest.area_m2() > 0.0 && built.rest.faces.iter().all(|f| f.area_m2 > 0.0), "{name}");
+        assert!(built.material.check_thin(built.rest.area_m2()).is_ok(), "{name}");
+        assert!(built.start.iter().flatten().all(|x| x.is_finite()), "{name}");
+    }
+}
+
+#[test]
+fn surfaces_under_pressure_are_spheres_or_tori() {
+    for (name, ..) in SCENES {
+        let built = built(name);
+        if built.loads.pressure_pa == 0.0 {
+            continue;
+        }
+        assert!(built.topology.edge_faces.iter().all(|faces| faces[1] != NONE), "{name} is open");
+        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize + built.topology.face_count() as isize;
+        assert_eq!(euler, if name.contains("torus") { 0 } else { 2 }, "{name}");
+    }
+}
+
+#[test]
+fn garments_have_their_openings_and_start_outside_the_body() {
+    // Hem, neck and two arms; waist and two legs.
+    for (name, openings) in [("05-dress.toml", 4), ("06-trousers.toml", 3)] {
+        let built = built(name);
+        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize + built.topology.face_count() as isize;
+        assert_eq!(euler, 2 - openings, "{name}");
+        for obstacle in &built.obstacles {
+            let nearest = built.start.iter().map(|p| obstacle.distance_m(p)).fold(f64::INFINITY, f64::min);
+            assert!(nearest > 0.0, "{name} starts {nearest} m from {}", obstacle.name);
+        }
+    }
+}
