@@ -62,7 +62,7 @@ pub(crate) fn base_notes(base: &BaseReport) -> Vec<String> {
     for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")] {
         if let Some(first) = faces.first() {
             notes.push(format!(
-                "the base surface has {} {what} face(s), the first is face {first}; give base.compressive_stiffness a little (1e-3) or more of it",
+                "the base surface has {} {what} face(s), the first is face {first}; try another base.compressive_stiffness (0, 1e-3, 1e-2) or finer edges",
                 faces.len()
             ));
         }

@@ -25,7 +25,7 @@ fn examples() -> PathBuf {
 }
 
 fn built(name: &str) -> Built {
-    let scene = read(&examples().join(name)).unwrap_or_else(|e| panic!("{e}"));
+    let scene = read(examples().join(name)).unwrap_or_else(|e| panic!("{e}"));
     build(&scene).unwrap_or_else(|e| panic!("{e}"))
 }
 

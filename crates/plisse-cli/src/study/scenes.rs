@@ -4,14 +4,18 @@ use plisse::Result;
 use plisse::scene::{Scene, parse};
 
 /// File name and text of every scene, in the order of their numbers.
-const SCENES: [(&str, &str); 7] = [
+const SCENES: [(&str, &str); 11] = [
     ("01-twisted-cylinder.toml", include_str!("../../../../examples/01-twisted-cylinder.toml")),
     ("02-stretched-sheet.toml", include_str!("../../../../examples/02-stretched-sheet.toml")),
     ("03-sheared-rectangle.toml", include_str!("../../../../examples/03-sheared-rectangle.toml")),
     ("04-sphere-drape.toml", include_str!("../../../../examples/04-sphere-drape.toml")),
+    ("05-dress.toml", include_str!("../../../../examples/05-dress.toml")),
+    ("06-trousers.toml", include_str!("../../../../examples/06-trousers.toml")),
     ("07-torus.toml", include_str!("../../../../examples/07-torus.toml")),
     ("08-balloon.toml", include_str!("../../../../examples/08-balloon.toml")),
     ("09-teabag.toml", include_str!("../../../../examples/09-teabag.toml")),
+    ("10-bear.toml", include_str!("../../../../examples/10-bear.toml")),
+    ("11-curtain.toml", include_str!("../../../../examples/11-curtain.toml")),
 ];
 
 /// The scene whose file begins with this number, if there is one.

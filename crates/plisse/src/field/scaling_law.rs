@@ -118,7 +118,7 @@ mod tests {
         let material = Material::new(1e6, 0.5, 1e-4).unwrap();
         let (length, pull) = (0.25, 0.05);
         let bending = 1e6 * 1e-12 / (12.0 * 0.75);
-        let expected = 2.0 * std::f64::consts::PI.sqrt() * (bending / (1e6 * 1e-4 * pull)).powf(0.25) * f64::sqrt(length);
+        let expected = 2.0 * std::f64::consts::PI.sqrt() * f64::powf(bending / (1e6 * 1e-4 * pull), 0.25) * f64::sqrt(length);
         assert!((wavelength(&material, &face(pull, 0.01), 0.5 * length) / expected - 1.0).abs() < 1e-9);
     }
 
