@@ -3,11 +3,12 @@
 //! Four stages, each a function of arrays, f32 like their GPU twins: [`skin`] moves the vertices, [`crush`] measures how much
 //! and where to the surface is compressed, [`relax`] aligns the phases of neighbouring waves, [`render`] reads height, normal
 //! and texture shift at a point of a face. [`live`] runs the first three frame by frame. Models come from glTF files
-//! or are made here ([`models`]); [`unify`] joins the vertices that texture seams split.
+//! ([`gltf_in`]) or are made here ([`models`]); [`unify`] joins the vertices that texture seams split.
 //!
 //! Units: metre, radian, second. "Rest" is the model's bind pose, "posed" the current frame.
 
 pub mod crush;
+pub mod gltf_in;
 pub mod live;
 pub mod model;
 pub mod models;

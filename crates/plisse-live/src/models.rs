@@ -53,7 +53,7 @@ pub fn zeppelin() -> Model {
             let tip = positions.len() as u32;
             positions.push(Vec3::new(x, 0.0, 0.0));
             uvs.push(Vec2::new((s as f32 + 0.5) / around as f32, if end == 0 { 0.0 } else { 1.0 }));
-            faces.push(if end == 0 { [tip, row + s, row + s + 1] } else { [tip, row + s + 1, row + s] });
+            faces.push(if end == 0 { [tip, row + s + 1, row + s] } else { [tip, row + s, row + s + 1] });
         }
     }
     let mut model = Model::rigid("zeppelin", positions, uvs, faces);
