@@ -8,7 +8,7 @@ use plisse_live::relax::{VISIBLE, mean_phase_error, random_phases, relax_rounds,
 use plisse_live::render::{Corner, FaceWaves};
 use plisse_live::skin::{Skinned, pose, skin};
 use plisse_live::unify::{Unified, fill_normals};
-use plisse_live::{Vec2, Vec3, models};
+use plisse_live::{Vec2, Vec3, field, models};
 
 const W: f32 = 0.08;
 
@@ -211,6 +211,15 @@ fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
 }
 
 #[test]
+fn the_measure_of_jumps_tells_jumps() {
+    let strength = vec![0.5; 1000];
+    let (a, b) = (random_phases(1000, 1), random_phases(1000, 2));
+    let share = jumping([&strength, &strength], [&a, &b], VISIBLE);
+    assert!((share - 0.75).abs() < 0.05, "{share}");
+    assert_eq!(jumping([&strength, &strength], [&a, &a], VISIBLE), 0.0);
+}
+
+#[test]
 fn phases_do_not_jump_on_models_that_move() {
     for (model, clip, wavelength_m) in
         [(models::sleeve(), "bend", 0.03), (models::zeppelin(), "crumple", 0.8), (models::curtain().unwrap(), "draw", 0.25)]
@@ -219,4 +228,63 @@ fn phases_do_not_jump_on_models_that_move() {
         assert!(worst <= 0.005 && wrinkled > 0.03);
         assert!(error < 0.2, "{error}");
     }
+}
+
+#[test]
+fn a_live_result_goes_to_a_field_and_back() {
+    let (unified, posed, crushed) = square_at(2.0);
+    let topology = field::topology("square", &unified).unwrap();
+    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7));
+    let made = field::to_field(&topology, &unified, &posed.positions, &crushed, &phase);
+    assert!(made.wrinkle_free.iter().all(|free| !free));
+    for (f, face) in topology.faces.iter().enumerate() {
+        for k in 0..3 {
+            let l = (k + 1) % 3;
+            let along = topology.side_sign(f, k) * made.omega[topology.face_edges[f][k]];
+            assert!((made.phase[f][l] - made.phase[f][k] - along).abs() < 1e-9);
+            let asked = f64::from(std::f32::consts::TAU / (0.75 * W) * (posed.positions[face[l]] - posed.positions[face[k]]).x);
+            assert!((along.abs() - asked.abs()).abs() < 1e-3, "{along} {asked}");
+        }
+    }
+    let back = field::from_field(&topology, &posed, &made);
+    for v in 0..unified.count() {
+        let sign = back.wave[v].dot(&crushed.wave[v]).signum();
+        assert!((back.wave[v] - crushed.wave[v] * sign).norm() < 1e-2 && back.amplitude_m[v] == crushed.amplitude_m[v]);
+        assert!(plisse_live::wrap(back.phase[v] - sign * phase[v]).abs() < 1e-3);
+    }
+    // Where waves do not agree, faces are given up; those that stay are closed.
+    let model = models::sleeve();
+    let unified = Unified::new(&model, 1e-5);
+    let mut live = LiveState::default();
+    live.step(&unified, &pose(&model, model.clip(None), 1.0), &LiveOptions::new(0.05));
+    let topology = field::topology("sleeve", &unified).unwrap();
+    let made = field::to_field(&topology, &unified, &live.posed.positions, &live.crushed, &live.phase);
+    let visible = |f: &usize| topology.faces[*f].iter().all(|&v| live.crushed.strength[v] >= VISIBLE);
+    let all = (0..topology.face_count()).filter(visible).count();
+    let kept = (0..topology.face_count()).filter(visible).filter(|&f| !made.wrinkle_free[f]).count();
+    eprintln!("sleeve: {kept} of {all} wrinkled faces kept");
+    assert!(kept * 2 > all && kept > 0);
+}
+
+#[test]
+fn accordion_at_half_width_shows_the_zigzag() {
+    let (unified, posed, crushed) = square_at(3.0);
+    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7));
+    let profile = Profile::accordion();
+    // A zigzag of W at half its width rises √(1 − ¼)/½ = √3 on each flank, up or down.
+    let (mut flanks, mut all) = (0, 0);
+    for face in &unified.faces {
+        let waves = FaceWaves::new(face.map(|v| corner(&posed, &crushed, &phase, v as usize)));
+        for i in 1..12 {
+            for j in 1..12 - i {
+                let (s, t) = (i as f32 / 12.0, j as f32 / 12.0);
+                let slope = waves.at([1.0 - s - t, s, t], &profile).gradient.norm();
+                all += 1;
+                flanks += usize::from((slope / 3f32.sqrt() - 1.0).abs() < 0.02);
+            }
+        }
+    }
+    let share = flanks as f32 / all as f32;
+    eprintln!("{:.3} of the surface stands at the zigzag's slope", share);
+    assert!(share > 0.85, "{share}");
 }
