@@ -2,7 +2,7 @@
 
 use crate::Vec3;
 use crate::crush::{CrushInput, Crushed, crush};
-use crate::relax::{random_phases, relax_rounds, spread};
+use crate::relax::{VISIBLE, random_phases, relax_rounds, spread};
 use crate::skin::{Pose, Skinned, skin};
 use crate::unify::Unified;
 
@@ -21,6 +21,9 @@ pub struct LiveOptions {
     pub first_rounds: usize,
     /// Crush and Relax run every n-th frame only.
     pub every: usize,
+    /// Whether wrinkles that nobody saw in the last frame take their phases by [`spread`] instead of by Relax alone. It walks the
+    /// mesh in one thread, so a GPU may do without.
+    pub spread_new: bool,
     /// Seed of the phases that the first frame starts from.
     pub seed: u64,
 }
@@ -28,7 +31,16 @@ pub struct LiveOptions {
 impl LiveOptions {
     /// Usual options for one wavelength (m).
     pub fn new(wavelength_m: f32) -> Self {
-        Self { wavelength_m: vec![wavelength_m], bias: Vec::new(), rounds: 1, rate: 0.25, first_rounds: 100, every: 1, seed: 1 }
+        Self {
+            wavelength_m: vec![wavelength_m],
+            bias: Vec::new(),
+            rounds: 1,
+            rate: 0.25,
+            first_rounds: 100,
+            every: 1,
+            spread_new: true,
+            seed: 1,
+        }
     }
 }
 
@@ -52,12 +64,15 @@ impl LiveState {
         if self.frame.is_multiple_of(options.every.max(1)) {
             let last_direction = std::mem::take(&mut self.crushed.direction);
             let input = CrushInput { wavelength_m: &options.wavelength_m, bias: &options.bias, last_direction: &last_direction };
+            let seen: Vec<bool> = self.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
             self.crushed = crush(unified, &self.posed, &input);
             let positions = &self.posed.positions;
             let (mut rate, mut rounds) = (options.rate, options.rounds);
             if self.frame == 0 {
-                self.phase = spread(unified, positions, &self.crushed, &random_phases(unified.count(), options.seed));
+                self.phase = spread(unified, positions, &self.crushed, &random_phases(unified.count(), options.seed), &[]);
                 (rate, rounds) = (0.5, options.first_rounds);
+            } else if options.spread_new {
+                self.phase = spread(unified, positions, &self.crushed, &self.phase, &seen);
             }
             relax_rounds(unified, positions, &self.crushed, rate, rounds, &mut self.phase);
         }

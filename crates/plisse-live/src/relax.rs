@@ -2,8 +2,8 @@
 //!
 //! [`relax`] is the paper's gradient descent (eq. 6), one round from one buffer to another. Its only departures: weights use the
 //! amplitude's share of W/4, and a vertex whose wrinkles nobody sees follows its neighbours at once, so that wrinkles that
-//! appear are already aligned. [`spread`] is ours: it gives the first frame's phases by walking outwards from the
-//! strongest wrinkle, so that descent starts near the best answer instead of at random, where it gets caught in bifurcations.
+//! appear are already aligned. [`spread`] is ours: it gives phases to wrinkles that nobody has seen yet, by walking
+//! outwards from those there are, so that descent starts near the best answer instead of at random, where it gets caught in bifurcations.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -117,34 +117,39 @@ impl Ord for Step {
     }
 }
 
-/// Phases for a first frame (`[U]`, rad): from the strongest vertex of each piece outwards along the clearest edges, each vertex
-/// takes the phase at which its wave meets its predecessor's in the middle of their edge. `start[v]` is the phase of each
-/// piece's first vertex.
-pub fn spread(unified: &Unified, positions: &[Vec3], crushed: &Crushed, start: &[f32]) -> Vec<f32> {
+/// Phases (`[U]`, rad) for vertices that have none yet: from those in `fixed` (`[U]`, or empty: none), and from the strongest vertex of each
+/// piece without any, outwards along the clearest edges. Each vertex takes the phase at which its wave meets its predecessor's
+/// in the middle of their edge. `start` (`[U]`) holds the fixed phases, and those with which pieces begin.
+pub fn spread(unified: &Unified, positions: &[Vec3], crushed: &Crushed, start: &[f32], fixed: &[bool]) -> Vec<f32> {
     let count = unified.count();
-    let mut by_strength: Vec<usize> = (0..count).collect();
-    by_strength.sort_by(|&a, &b| crushed.strength[b].total_cmp(&crushed.strength[a]).then(a.cmp(&b)));
+    let is_fixed = |v: usize| fixed.get(v).copied().unwrap_or(false);
+    let mut seeds: Vec<usize> = (0..count).collect();
+    let by_strength = |a: &usize, b: &usize| crushed.strength[*b].total_cmp(&crushed.strength[*a]).then(a.cmp(b));
+    seeds.sort_by(|a, b| is_fixed(*b).cmp(&is_fixed(*a)).then(by_strength(a, b)));
     let mut phase = start.to_vec();
-    let mut known = vec![false; count];
+    let mut known: Vec<bool> = (0..count).map(is_fixed).collect();
     let mut queue = BinaryHeap::new();
-    for seed in by_strength {
-        if known[seed] {
-            continue;
+    let push_around = |v: usize, known: &[bool], queue: &mut BinaryHeap<Step>| {
+        for &n in unified.around(v).iter().filter(|&&n| !known[n as usize]) {
+            let (a, b) = (&crushed.wave[v], &crushed.wave[n as usize]);
+            let parallel = a.dot(b).abs() / (a.norm() * b.norm()).max(1e-30);
+            let strength = crushed.strength[v].min(crushed.strength[n as usize]);
+            queue.push(Step { clarity: parallel * weight(strength), from: v as u32, to: n });
         }
-        queue.push(Step { clarity: 0.0, from: seed as u32, to: seed as u32 });
+    };
+    // All fixed vertices begin together; then one seed for each piece that they do not reach.
+    let (begin, others) = seeds.split_at(known.iter().filter(|&&k| k).count());
+    begin.iter().for_each(|&v| push_around(v, &known, &mut queue));
+    for next in std::iter::once(None).chain(others.iter().map(Some)) {
+        if let Some(&seed) = next.filter(|&&seed| !known[seed]) {
+            known[seed] = true;
+            push_around(seed, &known, &mut queue);
+        }
         while let Some(Step { from, to, .. }) = queue.pop() {
             let (from, to) = (from as usize, to as usize);
-            if std::mem::replace(&mut known[to], true) {
-                continue;
-            }
-            if from != to {
+            if !std::mem::replace(&mut known[to], true) {
                 phase[to] = wrap(phase[to] + TAU * mismatch(crushed, positions, &phase, to, from));
-            }
-            for &n in unified.around(to).iter().filter(|&&n| !known[n as usize]) {
-                let (a, b) = (&crushed.wave[to], &crushed.wave[n as usize]);
-                let parallel = a.dot(b).abs() / (a.norm() * b.norm()).max(1e-30);
-                let strength = crushed.strength[to].min(crushed.strength[n as usize]);
-                queue.push(Step { clarity: parallel * weight(strength), from: to as u32, to: n });
+                push_around(to, &known, &mut queue);
             }
         }
     }

@@ -115,7 +115,7 @@ fn relaxation_aligns_the_waves_of_the_square() {
         let error = |phase: &[f32]| mean_phase_error(&unified, &posed.positions, &crushed, phase);
         let mut descended = random.clone();
         relax_rounds(&unified, &posed.positions, &crushed, 0.5, 500, &mut descended);
-        let mut relaxed = spread(&unified, &posed.positions, &crushed, &random);
+        let mut relaxed = spread(&unified, &posed.positions, &crushed, &random, &[]);
         relax_rounds(&unified, &posed.positions, &crushed, 0.5, 50, &mut relaxed);
         eprintln!(
             "{width}: error random {:.4}, descended {:.4}, spread and relaxed {:.5}; lines {:.2} {:.2} {:.2}",
@@ -234,7 +234,7 @@ fn phases_do_not_jump_on_models_that_move() {
 fn a_live_result_goes_to_a_field_and_back() {
     let (unified, posed, crushed) = square_at(2.0);
     let topology = field::topology("square", &unified).unwrap();
-    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7));
+    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
     let made = field::to_field(&topology, &unified, &posed.positions, &crushed, &phase);
     assert!(made.wrinkle_free.iter().all(|free| !free));
     for (f, face) in topology.faces.iter().enumerate() {
@@ -269,7 +269,7 @@ fn a_live_result_goes_to_a_field_and_back() {
 #[test]
 fn accordion_at_half_width_shows_the_zigzag() {
     let (unified, posed, crushed) = square_at(3.0);
-    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7));
+    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
     let profile = Profile::accordion();
     // A zigzag of W at half its width rises √(1 − ¼)/½ = √3 on each flank, up or down.
     let (mut flanks, mut all) = (0, 0);
