@@ -1,0 +1,140 @@
+//! Stage "Crush" (4.2, 5.1): how strongly and where to the surface is compressed around each vertex.
+//!
+//! Departs from the paper in three points. Amplitude comes with its share of the largest possible one (W/4), which is what Relax
+//! weighs by, so that nothing depends on the model's size. The wave vector is 2π/W·k′ (rad/m), so that the wavelength may
+//! differ from vertex to vertex. And an eigenvector has no sign, so each frame's is turned to agree with the last one's: then
+//! the phase needs no flipping (the profile is even: turning k′ and φ together changes nothing).
+
+use std::f32::consts::TAU;
+
+use nalgebra::{Matrix2, Vector2};
+
+use crate::skin::Skinned;
+use crate::unify::Unified;
+use crate::{Vec3, wrap};
+
+/// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this one's length.
+pub const LEAST_R: f32 = 0.05;
+/// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no compression.
+const ROUND_OFF: f32 = 2e-6;
+/// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing across it.
+const SINGULAR: f32 = 1e-5;
+
+/// What Crush knows of each vertex besides the mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct CrushInput<'a> {
+    /// `[U]` wavelength W (m, rest), or one for all.
+    pub wavelength_m: &'a [f32],
+    /// `[U]` painted bias p (section 7): a rest-space vector of length < 1 along which wrinkles run in, or empty (none).
+    pub bias: &'a [Vec3],
+    /// `[U]` the last frame's `direction`, or empty (first frame).
+    pub last_direction: &'a [Vec3],
+}
+
+/// The plane wave of each vertex, but for its phase.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Crushed {
+    /// `[U]` amplitude h (m), eq. 2, in [0, W/4].
+    pub amplitude_m: Vec<f32>,
+    /// `[U]` share of the largest amplitude, √max(1 − r², 0), in [0, 1].
+    pub strength: Vec<f32>,
+    /// `[U]` wave vector 2π/W·k′ (rad/m, posed space, tangential), eq. 4.
+    pub wave: Vec<Vec3>,
+    /// `[U]` unit direction k of strongest compression (rest space, tangential); zero at singular vertices.
+    pub direction: Vec<Vec3>,
+    /// Vertices where no direction can be told (h = 0 there): fewer than two neighbours, or all in one line.
+    pub singular: usize,
+}
+
+/// Measures the compression from the rest pose of `unified` to `posed`.
+pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crushed {
+    let mut result = Crushed::default();
+    for v in 0..unified.count() {
+        let wavelength_m = *input.wavelength_m.get(v).unwrap_or(&input.wavelength_m[0]);
+        let bias = input.bias.get(v).copied().unwrap_or_else(Vec3::zeros);
+        let found = crush_vertex(unified, posed, v, &bias);
+        result.singular += usize::from(found.is_none());
+        let (r, mut k, mut k_posed) = found.unwrap_or((1.0, Vec3::zeros(), Vec3::zeros()));
+        if input.last_direction.get(v).is_some_and(|last| last.dot(&k) < 0.0) {
+            (k, k_posed) = (-k, -k_posed);
+        }
+        let squared = 1.0 - r * r;
+        let strength = if squared < ROUND_OFF { 0.0 } else { squared.sqrt() };
+        result.strength.push(strength);
+        result.amplitude_m.push(0.25 * wavelength_m * strength);
+        result.wave.push(k_posed * (TAU / wavelength_m));
+        result.direction.push(k);
+    }
+    result
+}
+
+/// r, k (rest) and k′ (posed) at vertex `v`; `None` where the neighbours do not span the tangent plane.
+fn crush_vertex(unified: &Unified, posed: &Skinned, v: usize, bias: &Vec3) -> Option<(f32, Vec3, Vec3)> {
+    let rest = &unified.vertices;
+    let around = unified.around(v);
+    let (t, b) = frame(&rest.positions, &rest.normals, v, around)?;
+    let (t_posed, b_posed) = frame(&posed.positions, &posed.normals, v, around)?;
+    let (mut moved, mut gram) = (Matrix2::<f32>::zeros(), Matrix2::<f32>::zeros());
+    for &n in around {
+        let x = rest.positions[n as usize] - rest.positions[v];
+        let x_posed = posed.positions[n as usize] - posed.positions[v];
+        let flat = Vector2::new(t.dot(&x), b.dot(&x));
+        let flat_posed = Vector2::new(t_posed.dot(&x_posed), b_posed.dot(&x_posed));
+        moved += flat_posed * flat.transpose();
+        gram += flat * flat.transpose();
+    }
+    // λ_min / λ_max ≈ det / trace² where it is small.
+    let (determinant, trace) = (gram.determinant(), gram.trace());
+    if !(trace > f32::MIN_POSITIVE && determinant > SINGULAR * trace * trace) {
+        return None;
+    }
+    let q = Vector2::new(t.dot(bias), b.dot(bias));
+    let m = moved * gram.try_inverse()? * (Matrix2::identity() - q * q.transpose());
+    let (r, weak) = weakest(&m)?;
+    // k′ = M⁻ᵀk = u/r, u being where M sends k (of unit length); taken across the other direction's image where r is tiny.
+    let strong = Vector2::new(-weak.y, weak.x);
+    let across = m * strong;
+    let mut u = Vector2::new(across.y, -across.x).try_normalize(1e-20)?;
+    if u.dot(&(m * weak)) < 0.0 {
+        u = -u;
+    }
+    let scaled = u / r.max(LEAST_R);
+    Some((r, t * weak.x + b * weak.y, t_posed * scaled.x + b_posed * scaled.y))
+}
+
+/// An orthonormal frame of the tangent plane at `v`: t along the first neighbour that is not above the vertex. Which one
+/// does not matter, nor whether both poses use the same: a turn of the frame cancels in r, k and k′.
+fn frame(positions: &[Vec3], normals: &[Vec3], v: usize, around: &[u32]) -> Option<(Vec3, Vec3)> {
+    let n = normals[v];
+    if n.norm_squared() < 0.25 {
+        return None;
+    }
+    around.iter().find_map(|&i| {
+        let x = positions[i as usize] - positions[v];
+        let flat = x - n * x.dot(&n);
+        let t = (flat.norm_squared() > 1e-4 * x.norm_squared()).then(|| flat.try_normalize(1e-30))??;
+        Some((t, n.cross(&t)))
+    })
+}
+
+/// The smaller singular value of `m` and its unit right vector: the eigenvector of MᵀM, by the closed form of a 2×2 matrix.
+fn weakest(m: &Matrix2<f32>) -> Option<(f32, Vector2<f32>)> {
+    let s = m.transpose() * m;
+    let (mean, half) = (0.5 * (s[(0, 0)] + s[(1, 1)]), 0.5 * (s[(0, 0)] - s[(1, 1)]));
+    if !(mean.is_finite() && mean > 1e-12) {
+        return None;
+    }
+    // The strong axis has the angle ½·atan2(2·s₀₁, s₀₀ − s₁₁); the weak one lies across. Without cancellation in any case.
+    let angle = 0.5 * f32::atan2(s[(0, 1)], half);
+    let weak = Vector2::new(-angle.sin(), angle.cos());
+    Some(((m * weak).norm(), weak))
+}
+
+/// Share of vertices, among those with a strength of at least `least` in both frames, whose phase moved more than π/4 between two frames.
+/// Directions must have been aligned, as [`crush`] does.
+pub fn jumping(strength: [&[f32]; 2], phase: [&[f32]; 2], least: f32) -> f32 {
+    let wrinkled = |v: &usize| strength[0][*v] >= least && strength[1][*v] >= least;
+    let jumps = |v: &usize| wrap(phase[1][*v] - phase[0][*v]).abs() > std::f32::consts::FRAC_PI_4;
+    let both: Vec<usize> = (0..phase[0].len()).filter(wrinkled).collect();
+    both.iter().filter(|v| jumps(v)).count() as f32 / both.len().max(1) as f32
+}

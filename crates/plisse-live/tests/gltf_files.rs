@@ -1,0 +1,181 @@
+//! glTF files: broken ones end in one sentence, sound ones in a model.
+
+use std::path::Path;
+
+use plisse_live::gltf_in::{from_bytes, read};
+use plisse_live::live::{LiveOptions, LiveState};
+use plisse_live::skin::{pose, skin};
+use plisse_live::unify::Unified;
+use serde_json::{Value, json};
+
+/// A GLB of `json` and `bin`.
+fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut file = b"glTF\x02\0\0\0".to_vec();
+    file.extend(((28 + text.len() + bin.len()) as u32).to_le_bytes());
+    file.extend((text.len() as u32).to_le_bytes());
+    file.extend(b"JSON");
+    file.extend(text);
+    file.extend((bin.len() as u32).to_le_bytes());
+    file.extend(b"BIN\0");
+    file.extend(bin);
+    file
+}
+
+/// Two triangles on a skin with two joints, and a clip that turns the second.
+fn sound() -> (Value, Vec<u8>) {
+    let mut bin = Vec::new();
+    let mut views = Vec::new();
+    let mut add = |bytes: Vec<u8>| {
+        views.push(json!({"buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len()}));
+        bin.extend(bytes);
+    };
+    let floats = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    add(floats(&[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]));
+    add([0u16, 1, 2, 0, 2, 3].iter().flat_map(|i| i.to_le_bytes()).collect());
+    add([[0u8, 0, 0, 0], [1, 0, 0, 0], [1, 0, 0, 0], [0, 0, 0, 0]].concat());
+    add(floats(&[1., 0., 0., 0.].repeat(4)));
+    add(floats(&[0., 1.]));
+    add(floats(&[0., 0., 0., 1., 0., 0., 1., 0.]));
+    let json = json!({
+        "asset": {"version": "2.0"}, "buffers": [{"byteLength": bin.len()}], "bufferViews": views,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
+            {"bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC4"},
+            {"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC4"},
+            {"bufferView": 4, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 5, "componentType": 5126, "count": 2, "type": "VEC4"}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3}, "indices": 1}]}],
+        "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {}],
+        "skins": [{"joints": [1, 2]}],
+        "animations": [{"name": "turn", "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}], "samplers": [{"input": 4, "output": 5}]}],
+        "scenes": [{"nodes": [0, 1]}], "scene": 0});
+    (json, bin)
+}
+
+fn sentence(name: &str, file: &[u8]) -> String {
+    let message = from_bytes("model.glb", file, None).expect_err(name).to_string();
+    assert!(message.starts_with("model.glb: ") && message.contains(';') && !message.contains('\n'), "{name}: {message}");
+    message
+}
+
+/// Runs a few frames of whatever clip there is; everything stays a number.
+fn runs(file: &[u8]) {
+    let model = from_bytes("model.glb", file, None).unwrap();
+    let unified = Unified::new(&model, 1e-5);
+    let mut live = LiveState::default();
+    for frame in 0..5 {
+        live.step(&unified, &pose(&model, model.clip(None), 0.2 * frame as f32), &LiveOptions::new(0.3));
+        assert!(live.phase.iter().chain(&live.crushed.amplitude_m).all(|x| x.is_finite()));
+        assert!(live.posed.positions.iter().chain(&live.crushed.wave).all(|x| x.iter().all(|x| x.is_finite())));
+    }
+}
+
+#[test]
+fn a_sound_file_is_posed_as_its_clip_says() {
+    let (json, bin) = sound();
+    let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
+    assert_eq!((model.draw.positions.len(), model.faces.len(), model.clips.len()), (4, 2, 1));
+    let posed = skin(&model.draw, &pose(&model, model.clip(Some("turn")), 0.5));
+    // Half of a half turn: joint 1's vertices go from (1, 0) to (0, 1).
+    assert!((posed.positions[1] - plisse_live::Vec3::y()).norm() < 1e-5 && posed.positions[0].norm() < 1e-6);
+    runs(&glb(&json, &bin));
+}
+
+#[test]
+fn broken_files_end_in_one_sentence() {
+    let (json, bin) = sound();
+    let whole = glb(&json, &bin);
+    for length in 0..whole.len() {
+        sentence("truncated", &whole[..length]);
+    }
+    let with = |change: &dyn Fn(&mut Value)| {
+        let mut json = json.clone();
+        change(&mut json);
+        glb(&json, &bin)
+    };
+    sentence("missing buffer", &with(&|j| j["buffers"][0]["uri"] = json!("nowhere.bin")));
+    sentence("short buffer", &with(&|j| j["buffers"][0]["byteLength"] = json!(100_000)));
+    sentence("accessor too long", &with(&|j| j["accessors"][0]["count"] = json!(4_000_000)));
+    sentence("accessor huge", &with(&|j| j["accessors"][0]["count"] = json!(u64::MAX / 2)));
+    assert!(sentence("ring", &with(&|j| j["nodes"][2]["children"] = json!([1]))).contains("ring"));
+    sentence("two parents", &with(&|j| j["nodes"][0]["children"] = json!([2])));
+    sentence("wrong mesh index", &with(&|j| j["nodes"][0]["mesh"] = json!(7)));
+    sentence("no positions", &with(&|j| j["meshes"][0]["primitives"][0]["attributes"] = json!({"TEXCOORD_0": 0})));
+    sentence("no faces", &with(&|j| j["meshes"][0]["primitives"][0]["mode"] = json!(0)));
+    let patched = |at: usize, bytes: &[u8]| {
+        let mut bin = bin.clone();
+        bin[at..at + bytes.len()].copy_from_slice(bytes);
+        glb(&json, &bin)
+    };
+    assert!(sentence("joint out of range", &patched(60, &[9])).contains("joint 9"));
+    sentence("NaN weight", &patched(76, &f32::NAN.to_le_bytes()));
+    sentence("NaN position", &patched(0, &f32::INFINITY.to_le_bytes()));
+    sentence("vertex out of range", &patched(48, &[200]));
+    sentence("keys out of order", &patched(140, &2f32.to_le_bytes()));
+    sentence("NaN key", &patched(140, &f32::NAN.to_le_bytes()));
+}
+
+#[test]
+fn odd_files_give_a_still() {
+    let (json, bin) = sound();
+    for key in ["animations", "skins"] {
+        let mut json = json.clone();
+        json.as_object_mut().unwrap().remove(key);
+        if key == "skins" {
+            json["nodes"][0].as_object_mut().unwrap().remove("skin");
+        }
+        runs(&glb(&json, &bin));
+    }
+    // Weights of sum zero, and faces without an area.
+    let mut zero = bin.clone();
+    zero[76..80].fill(0);
+    runs(&glb(&json, &zero));
+    zero[12..48].fill(0);
+    runs(&glb(&json, &zero));
+    let model = from_bytes("flat", &glb(&json, &zero), None).unwrap();
+    let unified = Unified::new(&model, 1e-5);
+    let mut live = LiveState::default();
+    live.step(&unified, &pose(&model, None, 0.0), &LiveOptions::new(0.1));
+    assert_eq!((live.crushed.singular, live.crushed.amplitude_m.iter().sum::<f32>()), (unified.count(), 0.0));
+}
+
+#[test]
+fn the_fox_wrinkles_without_jumps() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/Fox.glb");
+    if !path.is_file() {
+        assert!(std::env::var_os("PLISSE_NEED_DATA").is_none(), "no file {}", path.display());
+        eprintln!("NOT RUN: there is no file {}", path.display());
+        return;
+    }
+    let model = read(&path).unwrap();
+    assert_eq!((model.draw.positions.len(), model.faces.len(), model.nodes.len(), model.clips.len()), (1728, 576, 26, 3));
+    assert!(model.base_colour.as_ref().is_some_and(|b| b.starts_with(b"\x89PNG")));
+    let unified = Unified::new(&model, 1e-5);
+    assert!(unified.count() < 400, "{}", unified.count());
+    for clip in &model.clips {
+        let mut live = LiveState::default();
+        let options = LiveOptions::new(6.0);
+        let (mut worst, mut error, mut wrinkled) = (0f32, 0.0, 0.0);
+        let frames = 180;
+        for frame in 0..frames {
+            let last = (live.crushed.strength.clone(), live.phase.clone());
+            live.step(&unified, &pose(&model, Some(clip), frame as f32 / 60.0 % clip.duration_s()), &options);
+            if frame > 0 {
+                worst = worst.max(plisse_live::crush::jumping([&last.0, &live.crushed.strength], [&last.1, &live.phase], 0.05));
+            }
+            error += plisse_live::relax::mean_phase_error(&unified, &live.posed.positions, &live.crushed, &live.phase) / frames as f32;
+            wrinkled += live.crushed.strength.iter().filter(|&&s| s >= 0.05).count() as f32 / (frames * unified.count()) as f32;
+        }
+        eprintln!(
+            "fox {}: {} vertices, {} singular, {:.0} % wrinkled, worst jump share {worst}, mean phase error {error:.4}",
+            clip.name,
+            unified.count(),
+            live.crushed.singular,
+            100.0 * wrinkled
+        );
+        assert!(worst <= 0.005 && wrinkled > 0.05 && error < 0.2);
+    }
+}
