@@ -424,9 +424,9 @@ mod tests {
             energy_unit_joule: 1.0,
         };
         let steps = |left_out| minimise(&mut Chain { n: 400, left_out }, &[0.0; 400], &options, &Silent).unwrap();
-        // The energy is quadratic: two Newton steps to the accuracy of the inner solve; without it many.
+        // The energy is quadratic: a few Newton steps, the later the more exactly solved; without the inner solve many.
         let (whole, bound) = (steps(true), steps(false));
-        assert!(whole.iterations <= 3 && bound.iterations > 5, "{} {}", whole.iterations, bound.iterations);
+        assert!(whole.iterations <= 6 && bound.iterations > 2 * whole.iterations, "{} {}", whole.iterations, bound.iterations);
         assert!(whole.x.iter().zip(&bound.x).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 }
