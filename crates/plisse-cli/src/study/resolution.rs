@@ -255,7 +255,7 @@ fn shells(
             count(report.iterations),
             fixed(report.seconds, 1),
         ]);
-        looks.push(Look::cloth(&format!("Reference shell, {} vertices", pose.len()), &built, &pose));
+        looks.push(Look::cloth(&format!("Shell, {} vertices", pose.len()), &built, &pose));
     }
     let last: Vec<Look> = looks.into_iter().rev().take(2).collect();
     if let Ok([finest, finer]) = <[Look; 2]>::try_from(last) {

@@ -191,7 +191,7 @@ fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal:
         Look::mesh("Base surface", &solution.built, &solution.pose),
         Look::wrinkled(&format!("Field, {} vertices", solution.vertices()), &solution.built, &solution.pose, &solution.solved.field, true),
         Look::mesh("Mesh of the shell", &built, &base),
-        Look::cloth(&format!("Reference shell, {} vertices", pose.len()), &built, &pose),
+        Look::cloth(&format!("Shell, {} vertices", pose.len()), &built, &pose),
     ];
     let (name, caption) = (format!("timing-{:02}", published.scene), format!("{}: field and reference shell", scene.title));
     study.picture(&name, &caption, &solution.built, &looks)

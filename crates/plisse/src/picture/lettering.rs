@@ -26,6 +26,11 @@ pub(super) enum Align {
     Right,
 }
 
+/// Width (pixels) of `text` written whole.
+pub(super) fn width(text: &str, s: usize) -> usize {
+    text.chars().count() * LETTER.0 * s
+}
+
 /// Writes `text` with its upper left, middle or right at `at` (pixels), cut to `room` pixels. Letters outside Latin-1 become "?".
 pub(super) fn write(image: &mut Image, text: &str, at: (usize, usize), align: Align, room: usize, s: usize, colour: [u8; 3]) {
     let fitting = room / (LETTER.0 * s);

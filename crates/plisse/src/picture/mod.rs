@@ -150,17 +150,19 @@ fn annotate(image: &mut Image, panel: &PanelView, painted: &Painted, frame: &Fra
     let line = place.top + place.height.saturating_sub(36 * s);
     match panel.paint {
         Paint::Plain { .. } => {
-            let longest = place.width.saturating_sub(2 * MARGIN * s) as f64 / frame.pixels_per_metre() / 4.0;
+            let mut room_left = place.width.saturating_sub(2 * MARGIN * s);
+            let longest = room_left as f64 / frame.pixels_per_metre() / 4.0;
             if let Some((length, text)) = lettering::round_length(longest) {
                 let pixels = (length * frame.pixels_per_metre()).round() as usize;
                 let left = place.left + MARGIN * s;
                 lettering::scale_bar(image, (left, line + 10 * s), pixels, s);
                 lettering::write(image, &text, (left + pixels + 10 * s, line), Align::Left, room, s, INK);
+                room_left = room_left.saturating_sub(pixels + 20 * s + lettering::width(&text, s));
             }
-            if painted.relief_gain > 1.05 {
-                let text = format!("light: slopes x {:.1}", painted.relief_gain);
+            let text = format!("light: slopes x {:.1}", painted.relief_gain);
+            if painted.relief_gain > 1.05 && lettering::width(&text, s) <= room_left {
                 let right = place.left + place.width.saturating_sub(MARGIN * s);
-                lettering::write(image, &text, (right, line), Align::Right, room / 2, s, QUIET);
+                lettering::write(image, &text, (right, line), Align::Right, room, s, QUIET);
             }
         }
         Paint::Scalar { maximum, unit, .. } => {

@@ -6,7 +6,7 @@ use super::equilibrium::{Bending, Equilibrium};
 use super::quadratic_bending::QuadraticBending;
 use super::setup::Setup;
 use super::start::{pin_rigid_motions, prepare};
-use super::tension_field::FaceState;
+use super::tension_field::{FaceState, Membrane};
 use crate::linalg::newton::{Convexity, Ending, Options, minimise};
 use crate::mesh::{Topology, Vec3};
 use crate::progress::Observer;
@@ -68,27 +68,13 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     let begun = Instant::now();
     setup.check()?;
     let (begin, resolved_faces) = prepare(setup, start)?;
-    let mut pose = begin.clone();
-    let mut held = setup.clamps.clone();
-    if setup.floats() {
-        pin_rigid_motions(setup.topology, &pose, &mut held);
-    }
-    let bending = QuadraticBending::new(setup.topology, setup.rest, setup.material);
-    let mut problem = Equilibrium::new(setup, &held, &pose, options.compressive_stiffness, Bending::Quadratic(bending));
-    let x = problem.pack(&pose);
-    let newton = Options {
-        stage: "base",
-        iteration_limit: options.iteration_limit,
-        tolerance: options.tolerance,
-        convexity: Convexity::Clamped,
-        ridge: 1e-14,
-        energy_unit_joule: problem.unit_joule(),
-    };
-    let outcome = minimise(&mut problem, &x, &newton, observer)?;
-    problem.unpack(&outcome.x, &mut pose);
-    check_outcome("base", setup, outcome.energy, &begin, &pose)?;
+    let bending = Bending::Quadratic(QuadraticBending::new(setup.topology, setup.rest, setup.material));
+    let effort = Effort { stage: "base", iteration_limit: options.iteration_limit, tolerance: options.tolerance };
+    let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
+    let pose = settled.pose;
     let mut states = [0; 3];
-    for (membrane, face) in problem.membranes().iter().zip(&setup.topology.faces) {
+    for (rest, face) in setup.rest.faces.iter().zip(&setup.topology.faces) {
+        let membrane = Membrane::new(rest, setup.material, options.compressive_stiffness);
         states[match membrane.state(&face.map(|v| pose[v])) {
             FaceState::Slack => 0,
             FaceState::Mixed => 1,
@@ -97,10 +83,10 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     }
     let (collapsed_faces, inverted_faces) = defects(setup.topology, setup.rest, &pose);
     let report = BaseReport {
-        iterations: outcome.iterations,
-        ending: outcome.ending,
-        energy_joule: outcome.energy * problem.unit_joule(),
-        gradient_newton: outcome.projected_gradient * problem.unit_joule() / setup.length_m(),
+        iterations: settled.iterations,
+        ending: settled.ending,
+        energy_joule: settled.energy_joule,
+        gradient_newton: settled.gradient_newton,
         collapsed_faces,
         inverted_faces,
         resolved_faces,
@@ -110,8 +96,65 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     Ok((pose, report))
 }
 
+/// How long, and how exactly, an equilibrium is sought.
+pub(super) struct Effort {
+    /// Name of the step, for the observer and errors.
+    pub(super) stage: &'static str,
+    pub(super) iteration_limit: usize,
+    /// Largest gradient component at the end, in units of Young's modulus · thickness · size.
+    pub(super) tolerance: f64,
+}
+
+/// An equilibrium, and how it was found.
+pub(super) struct Settled {
+    /// `[V]` (m).
+    pub(super) pose: Vec<Vec3>,
+    pub(super) iterations: usize,
+    pub(super) ending: Ending,
+    pub(super) energy_joule: f64,
+    /// Largest gradient component (N).
+    pub(super) gradient_newton: f64,
+}
+
+/// The equilibrium of a shell that resists bending by `bending`, from the prepared pose `begin` (`[V]`, m) on.
+pub(super) fn settle(
+    setup: &Setup<'_>,
+    begin: &[Vec3],
+    compressive_stiffness: f64,
+    bending: Bending,
+    effort: &Effort,
+    observer: &dyn Observer,
+) -> Result<Settled> {
+    let mut held = setup.clamps.clone();
+    if setup.floats() {
+        pin_rigid_motions(setup.topology, begin, &mut held);
+    }
+    let mut problem = Equilibrium::new(setup, &held, begin, compressive_stiffness, bending);
+    let unit_joule = problem.unit_joule();
+    let newton = Options {
+        stage: effort.stage,
+        iteration_limit: effort.iteration_limit,
+        tolerance: effort.tolerance,
+        convexity: Convexity::Clamped,
+        ridge: 1e-14,
+        energy_unit_joule: unit_joule,
+    };
+    let x = problem.pack(begin);
+    let outcome = minimise(&mut problem, &x, &newton, observer)?;
+    let mut pose = begin.to_vec();
+    problem.unpack(&outcome.x, &mut pose);
+    check_outcome(effort.stage, setup, outcome.energy, begin, &pose)?;
+    Ok(Settled {
+        pose,
+        iterations: outcome.iterations,
+        ending: outcome.ending,
+        energy_joule: outcome.energy * unit_joule,
+        gradient_newton: outcome.projected_gradient * unit_joule / setup.length_m(),
+    })
+}
+
 /// Refuses a result that is no equilibrium of anything: not finite, or endlessly far from the pose that the solve began at.
-pub(super) fn check_outcome(stage: &'static str, setup: &Setup<'_>, energy: f64, begin: &[Vec3], pose: &[Vec3]) -> Result<()> {
+fn check_outcome(stage: &'static str, setup: &Setup<'_>, energy: f64, begin: &[Vec3], pose: &[Vec3]) -> Result<()> {
     if !energy.is_finite() {
         return Err(Error::numeric(stage, "the energy is not a finite number; check the material's constants and the clamps' positions"));
     }

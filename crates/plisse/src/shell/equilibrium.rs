@@ -199,11 +199,6 @@ impl<'a> Equilibrium<'a> {
         self.unit_joule
     }
 
-    /// The membrane of each face.
-    pub(super) fn membranes(&self) -> &[Membrane] {
-        &self.membranes
-    }
-
     /// The unknowns of `pose` (m).
     pub(super) fn pack(&self, pose: &[Vec3]) -> Vec<f64> {
         let mut x = vec![0.0; self.size];

@@ -3,13 +3,13 @@
 
 use std::time::Instant;
 
-use super::base::check_outcome;
-use super::equilibrium::{Bending, Equilibrium};
+use super::base::{Effort, settle};
+use super::equilibrium::Bending;
 use super::mid_edge_bending::MidEdgeBending;
 use super::setup::Setup;
-use super::start::{pin_rigid_motions, prepare};
+use super::start::prepare;
 use crate::Result;
-use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::linalg::newton::Ending;
 use crate::mesh::Vec3;
 use crate::mesh::scatter::Random;
 use crate::progress::Observer;
@@ -65,34 +65,18 @@ pub fn solve_reference(
     setup.check()?;
     let disturbed = disturb(setup, start, options);
     let (begin, resolved_faces) = prepare(setup, &disturbed)?;
-    let mut pose = begin.clone();
-    let mut held = setup.clamps.clone();
-    if setup.floats() {
-        pin_rigid_motions(setup.topology, &pose, &mut held);
-    }
-    let bending = MidEdgeBending::new(setup.topology, setup.rest, setup.material);
-    let mut problem = Equilibrium::new(setup, &held, &pose, 1.0, Bending::MidEdge(bending));
-    let x = problem.pack(&pose);
-    let newton = Options {
-        stage: "shell",
-        iteration_limit: options.iteration_limit,
-        tolerance: options.tolerance,
-        convexity: Convexity::Clamped,
-        ridge: 1e-14,
-        energy_unit_joule: problem.unit_joule(),
-    };
-    let outcome = minimise(&mut problem, &x, &newton, observer)?;
-    problem.unpack(&outcome.x, &mut pose);
-    check_outcome("shell", setup, outcome.energy, &begin, &pose)?;
+    let bending = Bending::MidEdge(MidEdgeBending::new(setup.topology, setup.rest, setup.material));
+    let effort = Effort { stage: "shell", iteration_limit: options.iteration_limit, tolerance: options.tolerance };
+    let settled = settle(setup, &begin, 1.0, bending, &effort, observer)?;
     let report = ReferenceReport {
-        iterations: outcome.iterations,
-        ending: outcome.ending,
-        energy_joule: outcome.energy * problem.unit_joule(),
-        gradient_newton: outcome.projected_gradient * problem.unit_joule() / setup.length_m(),
+        iterations: settled.iterations,
+        ending: settled.ending,
+        energy_joule: settled.energy_joule,
+        gradient_newton: settled.gradient_newton,
         resolved_faces,
         seconds: begun.elapsed().as_secs_f64(),
     };
-    Ok((pose, report))
+    Ok((settled.pose, report))
 }
 
 /// `start` with every vertex moved along its normal by a seeded random length.
