@@ -304,6 +304,34 @@ mod tests {
     }
 
     #[test]
+    fn turns_around_a_side_are_counted_whichever_way_edges_run() {
+        let mut built = balloon("front", [-0.5, 0.0], [0.5, 0.0]);
+        let mut chain: Vec<usize> = (0..built.start.len()).filter(|&v| built.start[v].norm() > 0.999).collect();
+        let angle = |v: usize| built.start[v].y.atan2(built.start[v].x);
+        chain.sort_by(|&u, &v| angle(u).total_cmp(&angle(v)));
+        chain.push(chain[0]);
+        // Seven turns of the phase around the middle.
+        let turn = |i: usize, j: usize| {
+            let step = angle(j) - angle(i);
+            7.0 * (step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round())
+        };
+        let mut field = plane_wave(&built, Vec2::zeros());
+        field.omega = built.topology.edges.iter().map(|&[i, j]| turn(i, j)).collect();
+        for reversed in [false, true] {
+            if reversed {
+                chain.reverse();
+            }
+            built.probes[0].quantity = Quantity::WavesAround { chain: chain.clone() };
+            let turns = measure(&built, &field, &report(&[]))[0].value;
+            assert!((turns - 7.0).abs() < 1e-9, "{turns}");
+        }
+        // Along half of the rim it is half of them.
+        built.probes[0].quantity = Quantity::WavesAround { chain: chain[..=chain.len() / 2].to_vec() };
+        let half = measure(&built, &field, &report(&[]))[0].value;
+        assert!((half - 3.5).abs() < 0.3, "{half}");
+    }
+
+    #[test]
     fn peaks_and_turns_come_with_unit_and_source() {
         let built = balloon("front", [0.0, 0.0], [0.1, 0.0]);
         let mut field = plane_wave(&built, Vec2::x());
