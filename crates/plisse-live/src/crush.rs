@@ -16,9 +16,9 @@ use crate::{Vec3, wrap};
 /// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this one's length.
 pub const LEAST_R: f32 = 0.05;
 /// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no compression.
-const ROUND_OFF: f32 = 2e-6;
+pub(crate) const ROUND_OFF: f32 = 2e-6;
 /// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing across it.
-const SINGULAR: f32 = 1e-5;
+pub(crate) const SINGULAR: f32 = 1e-5;
 
 /// What Crush knows of each vertex besides the mesh.
 #[derive(Clone, Copy, Debug)]
@@ -124,9 +124,20 @@ fn weakest(m: &Matrix2<f32>) -> Option<(f32, Vector2<f32>)> {
     if !(mean.is_finite() && mean > 1e-12) {
         return None;
     }
-    // The strong axis has the angle ½·atan2(2·s₀₁, s₀₀ − s₁₁); the weak one lies across. Without cancellation in any case.
-    let angle = 0.5 * f32::atan2(s[(0, 1)], half);
-    let weak = Vector2::new(-angle.sin(), angle.cos());
+    // The strong axis (cos θ, sin θ) has cos 2θ ∝ half and sin 2θ ∝ s₀₁. Half angles by the root that does not cancel, and without
+    // trigonometry, which GPUs round coarsely.
+    let off = s[(0, 1)];
+    let radius = half.hypot(off);
+    let (cos, sin) = if radius <= 1e-12 * mean {
+        (1.0, 0.0)
+    } else if half >= 0.0 {
+        let cos = (0.5 * (1.0 + half / radius)).sqrt();
+        (cos, 0.5 * off / (radius * cos))
+    } else {
+        let sin = (0.5 * (1.0 - half / radius)).sqrt();
+        (0.5 * off.abs() / (radius * sin), if off < 0.0 { -sin } else { sin })
+    };
+    let weak = Vector2::new(-sin, cos);
     Some(((m * weak).norm(), weak))
 }
 

@@ -2,14 +2,18 @@
 //!
 //! Four stages, each a function of arrays, f32 like their GPU twins: [`skin`] moves the vertices, [`crush`] measures how much
 //! and where to the surface is compressed, [`relax`] aligns the phases of neighbouring waves, [`render`] reads height, normal
-//! and texture shift at a point of a face. [`live`] runs the first three frame by frame. Models come from glTF files
+//! and texture shift at a point of a face ([`gather`] lays out what it reads, [`shade`] lights it). [`live`] runs the first three
+//! frame by frame, [`draw`] makes pictures. Each stage is here twice: `crush.rs` and `crush.wgsl`; the WGSL texts are in [`wgsl`]. Models come from glTF files
 //! ([`gltf_in`]) or are made here ([`models`]); [`unify`] joins the vertices that texture seams split.
 //! [`field`] converts to and from the library's wrinkle field.
 //!
 //! Units: metre, radian, second. "Rest" is the model's bind pose, "posed" the current frame.
 
+pub mod camera;
 pub mod crush;
+pub mod draw;
 pub mod field;
+pub mod gather;
 pub mod gltf_in;
 pub mod live;
 pub mod model;
@@ -17,8 +21,11 @@ pub mod models;
 pub mod profile;
 pub mod relax;
 pub mod render;
+pub mod shade;
 pub mod skin;
+pub mod texture;
 pub mod unify;
+pub mod wgsl;
 
 /// A point or vector in space (m).
 pub type Vec3 = nalgebra::Vector3<f32>;

@@ -22,7 +22,7 @@ pub fn weight(strength: f32) -> f32 {
 }
 
 /// Phase error e in [−½, ½) waves at the middle of the edge from `v` to `n`, and the sign that aligns n's wave with v's.
-fn mismatch(crushed: &Crushed, positions: &[Vec3], phase: &[f32], v: usize, n: usize) -> f32 {
+pub fn mismatch(crushed: &Crushed, positions: &[Vec3], phase: &[f32], v: usize, n: usize) -> f32 {
     let half = 0.5 * (positions[n] - positions[v]);
     let sign = if crushed.wave[n].dot(&crushed.wave[v]) < 0.0 { -1.0 } else { 1.0 };
     let own = crushed.wave[v].dot(&half) + phase[v];

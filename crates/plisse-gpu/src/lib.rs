@@ -1,0 +1,16 @@
+//! The `wgpu` host of the real-time stages: buffers, passes, timers, pictures.
+//!
+//! The stages themselves and their twins are in `plisse-live`; nothing here computes anything that they do not. [`Gpu`] is the
+//! adapter, [`Live`] the buffers of one or several characters whose frames it makes, [`Painter`] draws them.
+
+mod arrays;
+mod device;
+mod live;
+mod painter;
+mod timer;
+
+pub use arrays::Character;
+pub use device::Gpu;
+pub use live::{Live, Waves};
+pub use painter::Painter;
+pub use timer::{STAGES, StageTimes};
