@@ -24,16 +24,19 @@ impl Gpu {
     /// # Errors
     /// [`Error::Numeric`] if there is none.
     pub fn new() -> Result<Self> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let named = wgpu::util::initialize_adapter_from_env(&instance, None);
-        let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
-        let adapter = pollster::block_on(async {
-            match named.await {
-                Ok(adapter) => Ok(adapter),
-                Err(_) => instance.request_adapter(&options).await,
-            }
-        })
-        .map_err(|_| {
+        let found = [wgpu::Backends::PRIMARY, wgpu::Backends::GL].into_iter().find_map(|backends| {
+            // One after the other: looking for OpenGL where it is not needed makes some drivers talk.
+            let usual = wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
+            let instance = wgpu::Instance::new(usual.with_env());
+            let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
+            pollster::block_on(async {
+                match wgpu::util::initialize_adapter_from_env(&instance, None).await {
+                    Ok(adapter) => Some(adapter),
+                    Err(_) => instance.request_adapter(&options).await.ok(),
+                }
+            })
+        });
+        let adapter = found.ok_or_else(|| {
             let mend = "install a Vulkan driver (on Debian and Ubuntu: apt-get install mesa-vulkan-drivers) or add --cpu";
             Error::numeric("GPU", format!("no adapter was found; {mend}"))
         })?;

@@ -65,7 +65,8 @@ impl Painter {
         let fine = size.map(|s| (s * samples) as u32);
         let most = gpu.device.limits().max_texture_dimension_2d;
         if fine.iter().any(|&s| s == 0 || s > most) {
-            let message = format!("pictures of {} x {} pixels cannot be drawn; give 1 to {} for each", size[0], size[1], most as usize / samples);
+            let message =
+                format!("pictures of {} x {} pixels cannot be drawn; give 1 to {} for each", size[0], size[1], most as usize / samples);
             return Err(Error::value("size", message));
         }
         let pipeline = pipeline(gpu);

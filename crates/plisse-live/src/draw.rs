@@ -130,7 +130,8 @@ impl Projected {
             let low = at.iter().fold(f32::INFINITY, |a, p| a.min(p[k]));
             let high = at.iter().fold(f32::NEG_INFINITY, |a, p| a.max(p[k]));
             let most = size[k] as f32 - 1.0;
-            (low - 0.5 <= most && high - 0.5 >= 0.0).then(|| [(low - 0.5).clamp(0.0, most) as usize, (high - 0.5).clamp(0.0, most) as usize])
+            (low - 0.5 <= most && high - 0.5 >= 0.0)
+                .then(|| [(low - 0.5).clamp(0.0, most) as usize, (high - 0.5).clamp(0.0, most) as usize])
         };
         let (columns, rows) = (span(0)?, span(1)?);
         // Rows run downwards, so faces that show their front turn clockwise here.

@@ -12,7 +12,14 @@ use crate::unify::Unified;
 
 /// `[F]` corners of each face of `model`: `posed` and `crushed` and `phase` (`[U]`, rad) of its unified vertices, `posed_draw` of its
 /// draw vertices (of which only the normals are read).
-pub fn gather(model: &Model, unified: &Unified, posed: &Skinned, posed_draw: &Skinned, crushed: &Crushed, phase: &[f32]) -> Vec<[Corner; 3]> {
+pub fn gather(
+    model: &Model,
+    unified: &Unified,
+    posed: &Skinned,
+    posed_draw: &Skinned,
+    crushed: &Crushed,
+    phase: &[f32],
+) -> Vec<[Corner; 3]> {
     let corner = |draw: u32| {
         let (draw, v) = (draw as usize, unified.vertex_of_draw[draw as usize] as usize);
         Corner {
