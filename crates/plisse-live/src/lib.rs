@@ -4,10 +4,12 @@
 //! and where to the surface is compressed, [`relax`] aligns the phases of neighbouring waves, [`render`] reads height, normal
 //! and texture shift at a point of a face. [`live`] runs the first three frame by frame. Models come from glTF files
 //! ([`gltf_in`]) or are made here ([`models`]); [`unify`] joins the vertices that texture seams split.
+//! [`bias`] holds wrinkles of the rest pose, [`mod@wavelength`] wavelengths that differ from vertex to vertex.
 //! [`field`] converts to and from the library's wrinkle field.
 //!
 //! Units: metre, radian, second. "Rest" is the model's bind pose, "posed" the current frame.
 
+pub mod bias;
 pub mod crush;
 pub mod field;
 pub mod gltf_in;
@@ -19,6 +21,7 @@ pub mod relax;
 pub mod render;
 pub mod skin;
 pub mod unify;
+pub mod wavelength;
 
 /// A point or vector in space (m).
 pub type Vec3 = nalgebra::Vector3<f32>;
