@@ -3,12 +3,15 @@
 //! Every accessor is checked against its buffer before it is read, so that broken files end in one sentence. What is left out: points and
 //! lines, Draco and meshopt compression, influences beyond the eighth, texture coordinates beyond the first set.
 //!
+//! The red channel of vertex colours (the first set) is taken as share of the wavelength, see [`crate::wavelength`]; white is all of it.
+//!
 //! A mesh that hangs on a node without a skin counts as skinned to that node alone. Bind-space positions are scaled (uniformly,
 //! by the median of edge lengths) to what the nodes' own pose gives: files whose skeleton carries a change of unit
 //! would seem to be crushed otherwise.
 
 use std::path::Path;
 
+use gltf::accessor::sparse::IndexType;
 use gltf::accessor::{Accessor, DataType};
 use gltf::animation::Property;
 use gltf::mesh::{Mode, Primitive, Semantic};
@@ -75,7 +78,7 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     if reader.model.faces.is_empty() {
         return Err(bad("no mesh has positions and triangles; export a model with a surface".to_owned()));
     }
-    reader.pad_morphs();
+    reader.pad();
     reader.clips(&file)?;
     let base = file.materials().find_map(|m| m.pbr_metallic_roughness().base_color_texture());
     let image = base.and_then(|texture| match texture.texture().source().source() {
@@ -232,6 +235,14 @@ impl Reader<'_> {
             None => Vec::new(),
         };
         uvs.resize(count, Vec2::zeros());
+        if let Some(accessor) = primitive.get(&Semantic::Colors(0)) {
+            let width = accessor.dimensions().multiplicity().clamp(3, 4);
+            let colours = self.numbers(&accessor, width, &format!("{place}, colours"))?;
+            let shares = self.model.wavelength_share.get_or_insert_default();
+            // What came before without colours has the whole wavelength, as has what comes after.
+            shares.resize(base, 1.0);
+            shares.extend(colours.chunks_exact(width).take(count).map(|c| c[0].clamp(0.0, 1.0)));
+        }
         let (mut joints, mut weights) = (vec![[first_joint as u16; INFLUENCES]; count], vec![[0f32; INFLUENCES]; count]);
         for set in 0..if skinned { INFLUENCES / 4 } else { 0 } {
             let (Some(j), Some(w)) = (primitive.get(&Semantic::Joints(set as u32)), primitive.get(&Semantic::Weights(set as u32))) else {
@@ -290,11 +301,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn pad_morphs(&mut self) {
+    fn pad(&mut self) {
         let count = self.model.draw.positions.len();
         for morph in &mut self.model.draw.morphs {
             morph.positions.resize(count, Vec3::zeros());
             morph.normals.resize(count, Vec3::zeros());
+        }
+        if let Some(shares) = &mut self.model.wavelength_share {
+            shares.resize(count, 1.0);
         }
     }
 
@@ -363,32 +377,67 @@ impl Reader<'_> {
         }
     }
 
-    /// All numbers of `accessor` as they are stored.
+    /// All numbers of `accessor` as they are stored, with what a sparse one puts in other places.
     fn raw(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<f64>> {
         let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
         let (data_type, size) = (accessor.data_type(), accessor.size());
-        if accessor.sparse().is_some() {
-            return self.bad(format!("{what}: sparse accessors are not read; export the file without them"));
-        }
         if count.checked_mul(width).is_none_or(|n| n > MOST) {
             return self.bad(format!("{what}: {count} entries are too many; split the file"));
         }
-        let Some(view) = accessor.view() else { return Ok(vec![0.0; count * width]) };
-        let stride = view.stride().unwrap_or(size);
+        let mut values = match accessor.view() {
+            Some(view) => {
+                let stride = view.stride().unwrap_or(size);
+                self.stored(&view, accessor.offset(), stride, [count, width], data_type, what)?
+            }
+            None => vec![0.0; count * width],
+        };
+        if let Some(sparse) = accessor.sparse() {
+            let (indices, others) = (sparse.indices(), sparse.values());
+            let index_type = match indices.index_type() {
+                IndexType::U8 => DataType::U8,
+                IndexType::U16 => DataType::U16,
+                IndexType::U32 => DataType::U32,
+            };
+            if sparse.count() > count {
+                return self.bad(format!("{what}: {} sparse entries for {count} are too many; export the file again", sparse.count()));
+            }
+            let shape = [sparse.count(), 1];
+            let places = self.stored(&indices.view(), indices.offset(), bytes_of(index_type), shape, index_type, what)?;
+            let others = self.stored(&others.view(), others.offset(), size, [sparse.count(), width], data_type, what)?;
+            for (i, &place) in places.iter().enumerate() {
+                let Some(target) = values.get_mut(place as usize * width..(place as usize + 1) * width) else {
+                    return self.bad(format!("{what}: a sparse entry names {place} of {count}; export the file again"));
+                };
+                target.copy_from_slice(&others[i * width..(i + 1) * width]);
+            }
+        }
+        Ok(values)
+    }
+
+    /// `[count][width]` numbers of `data_type` in `view` from `offset` (bytes) on, elements `stride` bytes apart.
+    fn stored(
+        &self,
+        view: &gltf::buffer::View<'_>,
+        offset: usize,
+        stride: usize,
+        [count, width]: [usize; 2],
+        data_type: DataType,
+        what: &str,
+    ) -> Result<Vec<f64>> {
+        let one = bytes_of(data_type);
+        let size = one * width;
         let part = view.offset().checked_add(view.length()).and_then(|end| self.buffers[view.buffer().index()].get(view.offset()..end));
-        let needed =
-            count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size)?.checked_add(accessor.offset()));
+        let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size)?.checked_add(offset));
         let (Some(part), Some(needed)) = (part, needed) else {
             return self.bad(format!("{what} lies outside its buffer; export the file again"));
         };
         if needed > part.len() {
             return self.bad(format!("{what} needs {needed} bytes, but only {} are there; export the file again", part.len()));
         }
-        let one = size / width;
         let mut values = Vec::with_capacity(count * width);
         for i in 0..count {
             for k in 0..width {
-                let b = &part[accessor.offset() + i * stride + k * one..][..one];
+                let b = &part[offset + i * stride + k * one..][..one];
                 values.push(match data_type {
                     DataType::I8 => f64::from(b[0] as i8),
                     DataType::U8 => f64::from(b[0]),
@@ -400,6 +449,15 @@ impl Reader<'_> {
             }
         }
         Ok(values)
+    }
+}
+
+/// Bytes of one number.
+fn bytes_of(data_type: DataType) -> usize {
+    match data_type {
+        DataType::I8 | DataType::U8 => 1,
+        DataType::I16 | DataType::U16 => 2,
+        DataType::U32 | DataType::F32 => 4,
     }
 }
 

@@ -112,6 +112,8 @@ pub struct Model {
     pub draw: Vertices,
     /// `[V]` texture coordinates of the draw vertices.
     pub uvs: Vec<Vec2>,
+    /// `[V]` share (0..1) of the given wavelength at each draw vertex, from the file's vertex colours; see [`crate::wavelength`].
+    pub wavelength_share: Option<Vec<f32>>,
     /// `[F][3]` draw vertices of each face, counter-clockwise from outside.
     pub faces: Vec<[u32; 3]>,
     /// `[N]` the hierarchy.

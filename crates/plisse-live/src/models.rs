@@ -1,4 +1,6 @@
-//! Models made here: figure 15's square, a curtain, a zeppelin, and a sleeve on a bending arm. Each has a clip.
+//! Models made here: figure 15's square, a curtain, a zeppelin, a shirt, and a sleeve on a bending arm. Each has a clip.
+
+mod shirt;
 
 use std::f32::consts::{PI, TAU};
 
@@ -7,6 +9,26 @@ use plisse::mesh::panel::{Outline, Panel};
 
 use crate::model::{Channel, Clip, Interpolation, Model, Node, Target};
 use crate::{Mat4, Vec2, Vec3};
+
+pub use shirt::shirt;
+
+/// Names of the models that [`by_name`] makes.
+pub const NAMES: [&str; 5] = ["square", "curtain", "zeppelin", "shirt", "sleeve"];
+
+/// The model called `name`, one of [`NAMES`]; `None` for any other name.
+///
+/// # Errors
+/// None in practice (of the panels).
+pub fn by_name(name: &str) -> Result<Option<Model>> {
+    Ok(match name {
+        "square" => Some(square()?),
+        "curtain" => Some(curtain()?),
+        "zeppelin" => Some(zeppelin()),
+        "shirt" => Some(shirt()),
+        "sleeve" => Some(sleeve()),
+        _ => None,
+    })
+}
 
 /// The irregular square of figure 15, side 1 m, about 148 faces. Clip "contract": its width goes to 98, 75 and 50 %, one second each.
 ///
@@ -82,8 +104,8 @@ pub fn sleeve() -> Model {
     model.palette_nodes = vec![0, 1];
     model.inverse_binds = vec![Mat4::identity(), Mat4::new_translation(&-elbow)];
     for v in 0..model.draw.positions.len() {
-        let s = ((model.draw.positions[v].x - 0.18) / 0.24).clamp(0.0, 1.0);
-        blend(&mut model, v, s * s * (3.0 - 2.0 * s));
+        let share = smooth((model.draw.positions[v].x - 0.18) / 0.24);
+        blend(&mut model, v, share);
     }
     let times: Vec<f32> = (0..=8).map(|k| 0.25 * k as f32).collect();
     let turn = |t: &f32| 0.5 * 100f32.to_radians() * 0.5 * (1.0 - (PI * t).cos());
@@ -105,18 +127,30 @@ fn tube(rings: usize, around: usize, ring: impl Fn(usize, f32) -> Vec3) -> (Vec<
     let row = around + 1;
     for i in 0..rings - 1 {
         for s in 0..around {
-            let [a, b, c, d] = [i * row + s, (i + 1) * row + s, (i + 1) * row + s + 1, i * row + s + 1].map(|v| v as u32);
+            let corners = [i * row + s, (i + 1) * row + s, (i + 1) * row + s + 1, i * row + s + 1].map(|v| v as u32);
             // Diagonals alternate, so that the mesh prefers no turn.
-            let pair = if (i + s) % 2 == 0 { [[a, d, c], [a, c, b]] } else { [[a, d, b], [b, d, c]] };
-            faces.extend(pair);
+            faces.extend(halves(corners, (i + s) % 2 == 0));
         }
     }
     (positions, uvs, faces)
 }
 
+/// Two faces of a quad whose corners run clockwise seen from outside; `even` chooses the diagonal.
+fn halves([a, b, c, d]: [u32; 4], even: bool) -> [[u32; 3]; 2] {
+    if even { [[a, d, c], [a, c, b]] } else { [[a, d, b], [b, d, c]] }
+}
+
+/// 0 below 0, 1 above 1, smooth between.
+fn smooth(x: f32) -> f32 {
+    let s = x.clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
+
 fn from_panel(name: &str, panel: &Panel) -> Model {
     let positions: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x as f32, p.y as f32, 0.0)).collect();
-    let uvs = positions.iter().map(|p| Vec2::new(p.x, p.y)).collect();
+    let low = positions.iter().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
+    let size = positions.iter().fold(0f32, |a, p| a.max((p - low).max()));
+    let uvs = positions.iter().map(|p| Vec2::new((p.x - low.x) / size, (p.y - low.y) / size)).collect();
     let faces = panel.faces.iter().map(|f| f.map(|v| v as u32)).collect();
     Model::rigid(name, positions, uvs, faces)
 }

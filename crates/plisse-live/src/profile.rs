@@ -1,6 +1,7 @@
 //! Profiles of wrinkles (6.3): even, 2π-periodic functions, stored as the GPU has them, 32 values that wrap and are joined linearly.
 
 use std::f32::consts::{PI, TAU};
+use std::path::Path;
 
 use plisse::{Error, Result};
 
@@ -76,6 +77,28 @@ impl Profile {
         Self::from_list(&words.map(number).collect::<Result<Vec<f32>>>()?)
     }
 
+    /// The profile in the text file `path`, as [`Profile::parse`] takes it.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be read; [`Error::Value`] naming the file, as [`Profile::parse`].
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?;
+        Self::parse(&text).map_err(|error| match error {
+            Error::Value { message, .. } => Error::value(path.display().to_string(), message),
+            other => other,
+        })
+    }
+
+    /// What a user asked for: the name of a profile, heights, or else the path of a file with either.
+    ///
+    /// # Errors
+    /// As [`Profile::read`] and [`Profile::from_list`].
+    pub fn open(text: &str) -> Result<Self> {
+        let mut words = text.split([' ', ',']).filter(|w| !w.is_empty()).peekable();
+        let heights = words.peek().is_some() && words.all(|w| w.parse::<f32>().is_ok());
+        if heights || ["sine", "accordion", "pencil"].contains(&text) { Self::parse(text) } else { Self::read(Path::new(text)) }
+    }
+
     /// f and f′ at `phase` (rad), linear between entries.
     pub fn at(&self, phase: f32) -> (f32, f32) {
         let at = phase / TAU * ENTRIES as f32;
@@ -112,6 +135,16 @@ mod tests {
     fn profiles_are_read_from_text() {
         assert_eq!(Profile::parse("accordion").unwrap(), Profile::accordion());
         assert_eq!(Profile::parse("1, -1\n").unwrap(), Profile::from_list(&[1.0, -1.0]).unwrap());
+        let path = std::env::temp_dir().join(format!("plisse-profile-{}.txt", std::process::id()));
+        std::fs::write(&path, "1\n0.5\n-1\n").unwrap();
+        let text = path.display().to_string();
+        assert_eq!(Profile::open(&text).unwrap(), Profile::from_list(&[1.0, 0.5, -1.0]).unwrap());
+        assert_eq!(Profile::open("pencil").unwrap(), Profile::pencil());
+        assert_eq!(Profile::open("1, -1").unwrap(), Profile::from_list(&[1.0, -1.0]).unwrap());
+        std::fs::write(&path, "steep").unwrap();
+        assert!(Profile::open(&text).unwrap_err().to_string().starts_with(&text));
+        std::fs::remove_file(&path).unwrap();
+        assert!(Profile::open(&text).is_err() && Profile::open("").is_err());
         for bad in ["", "1", "1 x", "1 NaN"] {
             assert!(Profile::parse(bad).is_err(), "{bad}");
         }

@@ -84,6 +84,68 @@ fn a_sound_file_is_posed_as_its_clip_says() {
     runs(&glb(&json, &bin));
 }
 
+/// The sound file with one more buffer view for each of `more`.
+fn with_views(more: &[Vec<u8>]) -> (Value, Vec<u8>) {
+    let (mut json, mut bin) = sound();
+    for bytes in more {
+        json["bufferViews"].as_array_mut().unwrap().push(json!({"buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len()}));
+        bin.extend(bytes);
+        bin.resize(bin.len().next_multiple_of(4), 0);
+    }
+    json["buffers"][0]["byteLength"] = json!(bin.len());
+    (json, bin)
+}
+
+#[test]
+fn red_vertex_colours_are_shares_of_the_wavelength() {
+    let colours: Vec<u8> = [[255u8, 0, 0, 255], [51, 9, 9, 255], [0, 9, 9, 255], [102, 0, 0, 255]].concat();
+    let (mut json, bin) = with_views(&[colours]);
+    let accessor = json!({"bufferView": 6, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"});
+    json["accessors"].as_array_mut().unwrap().push(accessor);
+    json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(6);
+    let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
+    let shares = model.wavelength_share.as_deref().unwrap();
+    assert!(shares.iter().zip([1.0, 0.2, 0.0, 0.4]).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6), "{shares:?}");
+    let unified = Unified::new(&model, 1e-5);
+    let list = plisse_live::wavelength::per_vertex(&unified, 0.3, Some(shares));
+    assert!((list[3] - 0.12).abs() < 1e-6 && list[2] > 0.0);
+    let mut live = LiveState::default();
+    let options = LiveOptions { wavelength_m: list, ..LiveOptions::new(0.3) };
+    live.step(&unified, &pose(&model, model.clip(None), 0.5), &options);
+    assert!(live.phase.iter().all(|x| x.is_finite()));
+    let (json, bin) = sound();
+    assert_eq!(from_bytes("model.glb", &glb(&json, &bin), None).unwrap().wavelength_share, None);
+}
+
+#[test]
+fn sparse_accessors_put_numbers_in_place() {
+    let floats = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let (mut json, bin) = with_views(&[vec![1, 3], floats(&[5., 0., 0., 0., 7., 0.])]);
+    json["accessors"][0]["sparse"] = json!({"count": 2, "indices": {"bufferView": 6, "componentType": 5121}, "values": {"bufferView": 7}});
+    // Without a skin, nothing scales the positions.
+    json.as_object_mut().unwrap().remove("skins");
+    json["nodes"][0].as_object_mut().unwrap().remove("skin");
+    let positions = |json: &Value| from_bytes("model.glb", &glb(json, &bin), None).unwrap().draw.positions;
+    let x = |x, y| plisse_live::Vec3::new(x, y, 0.0);
+    assert_eq!(positions(&json), [x(0., 0.), x(5., 0.), x(1., 1.), x(0., 7.)]);
+    // Without a view of its own it starts from zeros.
+    let mut zeros = json.clone();
+    zeros["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(positions(&zeros), [x(0., 0.), x(5., 0.), x(0., 0.), x(0., 7.)]);
+    let broken = |key: &str, value: Value| {
+        let mut json = json.clone();
+        *json.pointer_mut(&format!("/accessors/0/sparse/{key}")).unwrap() = value;
+        sentence(key, &glb(&json, &bin));
+    };
+    broken("count", json!(9));
+    broken("indices/bufferView", json!(99));
+    broken("indices/componentType", json!(5125));
+    broken("values/bufferView", json!(6));
+    let mut far = bin.clone();
+    far[json["bufferViews"][6]["byteOffset"].as_u64().unwrap() as usize + 1] = 9;
+    assert!(sentence("index out of range", &glb(&json, &far)).contains("names 9 of 4"));
+}
+
 #[test]
 fn broken_files_end_in_one_sentence() {
     let (json, bin) = sound();
