@@ -1,9 +1,10 @@
 //! Stage "Render" on the GPU: pictures of gathered faces.
 
 use bytemuck::{Pod, Zeroable};
+use plisse::picture::Image;
 use plisse::{Error, Result};
 use plisse_live::camera::Camera;
-use plisse_live::draw::{BACKGROUND, Look, Picture, SAMPLES};
+use plisse_live::draw::{BACKGROUND, Look, Picture};
 use plisse_live::shade::{from_srgb, to_srgb};
 use plisse_live::texture::Texture;
 use plisse_live::wgsl;
@@ -57,7 +58,7 @@ pub struct Painter {
 
 impl Painter {
     /// For pictures of `size` (width, height) pixels, with the base colour of each character. `samples`: of each pixel along each side;
-    /// pictures are as the twin's with [`SAMPLES`].
+    /// pictures are as the twin's with [`plisse_live::draw::SAMPLES`].
     ///
     /// # Errors
     /// [`Error::Value`] if the pictures are too large for the adapter.
@@ -178,7 +179,7 @@ impl Painter {
         let bytes: Vec<u8> = gpu.map(&self.readable)?;
         self.readable.unmap();
         let linear: [f32; 256] = std::array::from_fn(|b| from_srgb(b as u8));
-        let (mut rgb, mut covered) = (Vec::with_capacity(self.size[0] * self.size[1]), 0);
+        let (mut pixels, mut covered) = (Vec::with_capacity(3 * self.size[0] * self.size[1]), 0);
         for y in 0..self.size[1] {
             for x in 0..self.size[0] {
                 let (mut sum, mut any) = ([0f32; 3], false);
@@ -190,14 +191,11 @@ impl Painter {
                     (0..3).for_each(|c| sum[c] += linear[usize::from(sample[c])]);
                 }
                 covered += usize::from(any);
-                rgb.push(sum.map(|s| to_srgb(s / (self.samples * self.samples) as f32)));
+                pixels.extend(sum.map(|s| to_srgb(s / (self.samples * self.samples) as f32)));
             }
         }
-        Ok(Picture { width: self.size[0], height: self.size[1], rgb, covered })
+        Ok(Picture { image: Image { width: self.size[0], height: self.size[1], pixels }, covered })
     }
-
-    /// Samples that pictures usually take.
-    pub const USUAL_SAMPLES: usize = SAMPLES;
 }
 
 fn extent(size: [u32; 2]) -> wgpu::Extent3d {

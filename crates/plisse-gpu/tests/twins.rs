@@ -139,8 +139,8 @@ fn check_relax(found: &[f32], twin: &[f32], torn: impl Fn(usize) -> bool) -> Res
 }
 
 fn check_picture(found: &Picture, twin: &Picture) -> Result<f32, String> {
-    let off = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).any(|c| (from_srgb(a[c]) - from_srgb(b[c])).abs() > LIGHT);
-    let share = found.rgb.iter().zip(&twin.rgb).filter(|&p| off(p)).count() as f32 / twin.covered.max(1) as f32;
+    let off = |(a, b): &(&[u8], &[u8])| (0..3).any(|c| (from_srgb(a[c]) - from_srgb(b[c])).abs() > LIGHT);
+    let share = found.image.pixels.chunks(3).zip(twin.image.pixels.chunks(3)).filter(off).count() as f32 / twin.covered.max(1) as f32;
     let covered = (found.covered as f32 / twin.covered.max(1) as f32 - 1.0).abs();
     if share > EDGES || covered > EDGES {
         return Err(format!("{share} of the model's pixels differ, {covered} in number"));
@@ -247,10 +247,8 @@ fn render_is_its_twin() {
             let twin = draw(&faces, &look, &camera, size);
             if let Some(folder) = std::env::var_os("PLISSE_KEEP_PICTURES") {
                 for (kind, picture) in [("gpu", &picture), ("twin", &twin)] {
-                    let file = Path::new(&folder).join(format!("{}-{parallax}-{kind}.ppm", name.rsplit('/').next().unwrap()));
-                    let mut bytes = format!("P6 {} {} 255\n", size[0], size[1]).into_bytes();
-                    bytes.extend(picture.rgb.iter().flatten());
-                    std::fs::write(file, bytes).unwrap();
+                    let file = Path::new(&folder).join(format!("{}-{parallax}-{kind}.png", name.rsplit('/').next().unwrap()));
+                    plisse::picture::write_png(&picture.image, &mut std::fs::File::create(file).unwrap()).unwrap();
                 }
             }
             let share = check_picture(&picture, &twin).unwrap_or_else(|e| panic!("{name}: render: {e}"));

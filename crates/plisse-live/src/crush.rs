@@ -8,10 +8,11 @@
 use std::f32::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2};
+use rayon::prelude::*;
 
 use crate::skin::Skinned;
 use crate::unify::Unified;
-use crate::{Vec3, wrap};
+use crate::{CHUNK, Vec3, wrap};
 
 /// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this one's length.
 pub const LEAST_R: f32 = 0.05;
@@ -48,24 +49,21 @@ pub struct Crushed {
 
 /// Measures the compression from the rest pose of `unified` to `posed`.
 pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crushed {
-    let mut result = Crushed::default();
-    for v in 0..unified.count() {
+    let at = |v: usize| {
         let wavelength_m = *input.wavelength_m.get(v).unwrap_or(&input.wavelength_m[0]);
         let bias = input.bias.get(v).copied().unwrap_or_else(Vec3::zeros);
         let found = crush_vertex(unified, posed, v, &bias);
-        result.singular += usize::from(found.is_none());
         let (r, mut k, mut k_posed) = found.unwrap_or((1.0, Vec3::zeros(), Vec3::zeros()));
         if input.last_direction.get(v).is_some_and(|last| last.dot(&k) < 0.0) {
             (k, k_posed) = (-k, -k_posed);
         }
         let squared = 1.0 - r * r;
         let strength = if squared < ROUND_OFF { 0.0 } else { squared.sqrt() };
-        result.strength.push(strength);
-        result.amplitude_m.push(0.25 * wavelength_m * strength);
-        result.wave.push(k_posed * (TAU / wavelength_m));
-        result.direction.push(k);
-    }
-    result
+        (((0.25 * wavelength_m * strength, strength), (k_posed * (TAU / wavelength_m), k)), found.is_none())
+    };
+    let vertices = (0..unified.count()).into_par_iter().with_min_len(CHUNK);
+    let (((amplitude_m, strength), (wave, direction)), singular): (((_, _), (_, _)), Vec<bool>) = vertices.map(at).unzip();
+    Crushed { amplitude_m, strength, wave, direction, singular: singular.iter().filter(|&&s| s).count() }
 }
 
 /// r, k (rest) and k′ (posed) at vertex `v`; `None` where the neighbours do not span the tangent plane.

@@ -3,6 +3,7 @@
 //!
 //! Each pixel takes four samples, as the GPU host does. Samples are independent, so any number of threads gives the same bytes.
 
+use plisse::picture::Image;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
@@ -30,15 +31,11 @@ pub struct Look<'a> {
     pub parallax: bool,
 }
 
-/// An sRGB picture.
+/// A picture of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Width (pixels).
-    pub width: usize,
-    /// Height (pixels).
-    pub height: usize,
-    /// `[height][width]` red, green, blue.
-    pub rgb: Vec<[u8; 3]>,
+    /// The picture.
+    pub image: Image,
     /// Pixels that show the model, at least in part.
     pub covered: usize,
 }
@@ -85,7 +82,8 @@ pub fn draw(faces: &[[Corner; 3]], look: &Look<'_>, camera: &Camera, size: [usiz
         })
         .collect();
     let covered = lines.iter().map(|line| line.1).sum();
-    Picture { width: size[0], height: size[1], rgb: lines.into_iter().flat_map(|line| line.0).collect(), covered }
+    let pixels = lines.into_iter().flat_map(|line| line.0).flatten().collect();
+    Picture { image: Image { width: size[0], height: size[1], pixels }, covered }
 }
 
 /// The pixel stage: linear colour of the point with these barycentric `weights`.

@@ -3,12 +3,14 @@
 //! Positions and waves are the unified vertices', so that no seam opens or shows; normals and texture coordinates the draw
 //! vertices', so that hard edges and texture seams stay.
 
-use crate::Vec2;
+use rayon::prelude::*;
+
 use crate::crush::Crushed;
 use crate::model::Model;
 use crate::render::Corner;
 use crate::skin::Skinned;
 use crate::unify::Unified;
+use crate::{CHUNK, Vec2};
 
 /// `[F]` corners of each face of `model`: `posed` and `crushed` and `phase` (`[U]`, rad) of its unified vertices, `posed_draw` of its
 /// draw vertices (of which only the normals are read).
@@ -31,5 +33,5 @@ pub fn gather(
             phase: phase[v],
         }
     };
-    model.faces.iter().map(|face| face.map(corner)).collect()
+    model.faces.par_iter().with_min_len(CHUNK).map(|face| face.map(corner)).collect()
 }

@@ -37,6 +37,10 @@ pub type Vec2 = nalgebra::Vector2<f32>;
 /// An affine map of space.
 pub type Mat4 = nalgebra::Matrix4<f32>;
 
+/// Vertices that one thread takes at least: fewer are done sooner than they are handed out. Vertices do not depend on each other
+/// within a stage, so any number of threads gives the same bytes.
+pub(crate) const CHUNK: usize = 2048;
+
 /// The representative of `angle_rad` in [−π, π).
 pub fn wrap(angle_rad: f32) -> f32 {
     use std::f32::consts::TAU;

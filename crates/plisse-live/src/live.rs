@@ -60,12 +60,19 @@ pub struct LiveState {
 impl LiveState {
     /// Advances to the next frame, which stands in `pose`.
     pub fn step(&mut self, unified: &Unified, pose: &Pose, options: &LiveOptions) {
+        self.step_watched(unified, pose, options, |_| {});
+    }
+
+    /// As [`LiveState::step`]; calls `done` with the name of each stage after it.
+    pub fn step_watched(&mut self, unified: &Unified, pose: &Pose, options: &LiveOptions, mut done: impl FnMut(&'static str)) {
         self.posed = skin(&unified.vertices, pose);
+        done("skin");
         if self.frame.is_multiple_of(options.every.max(1)) {
             let last_direction = std::mem::take(&mut self.crushed.direction);
             let input = CrushInput { wavelength_m: &options.wavelength_m, bias: &options.bias, last_direction: &last_direction };
             let seen: Vec<bool> = self.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
             self.crushed = crush(unified, &self.posed, &input);
+            done("crush");
             let positions = &self.posed.positions;
             let (mut rate, mut rounds) = (options.rate, options.rounds);
             if self.frame == 0 {
@@ -75,6 +82,7 @@ impl LiveState {
                 self.phase = spread(unified, positions, &self.crushed, &self.phase, &seen);
             }
             relax_rounds(unified, positions, &self.crushed, rate, rounds, &mut self.phase);
+            done("relax");
         }
         self.frame += 1;
     }

@@ -9,9 +9,11 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::f32::consts::{PI, TAU};
 
+use rayon::prelude::*;
+
 use crate::crush::Crushed;
 use crate::unify::Unified;
-use crate::{Vec3, wrap};
+use crate::{CHUNK, Vec3, wrap};
 
 /// Share of the largest amplitude below which wrinkles are taken as invisible (flat to 0.1 %).
 pub const VISIBLE: f32 = 0.05;
@@ -35,7 +37,7 @@ pub fn mismatch(crushed: &Crushed, positions: &[Vec3], phase: &[f32], v: usize, 
 /// the mean that its neighbours ask for (the paper's ε is 2π²·rate). At most ½: beyond, rounds oscillate. A visible vertex moves by no
 /// more than π·rate a round, so ¼ and one round a frame never jump more than π/4.
 pub fn relax(unified: &Unified, positions: &[Vec3], crushed: &Crushed, rate: f32, phase: &[f32], next: &mut [f32]) {
-    for v in 0..phase.len() {
+    next.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, next)| {
         let around = unified.around(v);
         let (mut pull, mut weights) = (0.0, 0.0);
         for &n in around {
@@ -53,8 +55,8 @@ pub fn relax(unified: &Unified, positions: &[Vec3], crushed: &Crushed, rate: f32
         } else {
             rate * TAU * pull / around.len() as f32
         };
-        next[v] = wrap(phase[v] + step);
-    }
+        *next = wrap(phase[v] + step);
+    });
 }
 
 /// `rounds` of [`relax`] in place, with two buffers.

@@ -3,8 +3,10 @@
 //! Departs from the paper in one point: normals are turned by the cofactors of the blended matrix, not by the matrix itself, so
 //! that they stay perpendicular where joints stretch or squeeze.
 
+use rayon::prelude::*;
+
 use crate::model::{Clip, INFLUENCES, Model, Target, Vertices, quaternion, sample};
-use crate::{Mat4, Vec3};
+use crate::{CHUNK, Mat4, Vec3};
 
 /// What moves a model in one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,9 +51,7 @@ pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
 
 /// Moves `vertices` into `pose`.
 pub fn skin(vertices: &Vertices, pose: &Pose) -> Skinned {
-    let count = vertices.positions.len();
-    let mut skinned = Skinned { positions: Vec::with_capacity(count), normals: Vec::with_capacity(count) };
-    for v in 0..count {
+    let place = |v: usize| {
         let (mut x, mut n) = (vertices.positions[v], vertices.normals[v]);
         for (morph, &weight) in vertices.morphs.iter().zip(&pose.morph_weights) {
             x += morph.positions[v] * weight;
@@ -67,11 +67,12 @@ pub fn skin(vertices: &Vertices, pose: &Pose) -> Skinned {
         }
         let column = |c: usize| Vec3::new(m[(0, c)], m[(1, c)], m[(2, c)]);
         let [a, b, c] = [column(0), column(1), column(2)];
-        skinned.positions.push(a * x.x + b * x.y + c * x.z + column(3));
+        let position = a * x.x + b * x.y + c * x.z + column(3);
         // Cofactors of the matrix, with the determinant's sign: the direction of M⁻ᵀn.
         let turned = b.cross(&c) * n.x + c.cross(&a) * n.y + a.cross(&b) * n.z;
         let sign = if b.cross(&c).dot(&a) < 0.0 { -1.0 } else { 1.0 };
-        skinned.normals.push((turned * sign).try_normalize(1e-30).unwrap_or_else(Vec3::zeros));
-    }
-    skinned
+        (position, (turned * sign).try_normalize(1e-30).unwrap_or_else(Vec3::zeros))
+    };
+    let (positions, normals) = (0..vertices.positions.len()).into_par_iter().with_min_len(CHUNK).map(place).unzip();
+    Skinned { positions, normals }
 }
