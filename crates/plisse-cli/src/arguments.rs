@@ -21,6 +21,13 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// Bake wrinkles to height and normal maps (16-bit PNG) in the texture space of a model, a solved folder or a scene
+    #[command(after_help = "Examples:\n  plisse bake character.glb --wavelength 0.03 --clip walk --frames 48 --map both -o out/walk\n  \
+        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  plisse bake out/cylinder --map height\n\n\
+        Writes normal.png and height.png (normal-0000.png and so on with --frames) and report.json into DIR. Height: 0.5 is zero, white is\n\
+        the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and OpenGL have it. Texture coordinates must lie\n\
+        within the unit square. Ctrl-C stops and keeps the frames that are done.")]
+    Bake(BakeArguments),
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
     #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
         Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.\n\
@@ -63,6 +70,54 @@ pub(crate) struct OutputArguments {
     /// v1, v2, relaxed-integrability
     #[arg(long, value_name = "TERM", value_delimiter = ',')]
     pub(crate) without: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct BakeArguments {
+    /// A model (.glb, .gltf, or square, curtain, zeppelin, shirt, sleeve), a folder that solve wrote, or a scene (.toml)
+    #[arg(value_name = "INPUT")]
+    pub(crate) input: String,
+    /// What is baked
+    #[arg(long, value_enum, default_value_t = Map::Both)]
+    pub(crate) map: Map,
+    /// Texels across and down
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub(crate) size: u32,
+    /// Texels by which islands are grown
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=256))]
+    pub(crate) padding: u32,
+    /// Folder for the maps [default: out/NAME/maps, after the input]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Width of one wrinkle in the rest pose (m), for models; vertex colours may make it shorter
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub(crate) wavelength: Option<f64>,
+    /// Animation of the model [default: its first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// Time within the clip (s) of a single frame [default: 0]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, conflicts_with = "frames")]
+    pub(crate) time: Option<f64>,
+    /// Frames of a sequence over the whole clip
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    /// Shape of a model's wrinkles: sine, accordion, pencil, or a text file with heights (-1 to 1) from crest to trough [default: sine]
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub(crate) profile: Option<String>,
+    /// Threads to use [default: one for each core]; the maps do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+}
+
+/// Which maps `plisse bake` writes.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Map {
+    /// normal.png
+    Normal,
+    /// height.png
+    Height,
+    /// Both of them
+    Both,
 }
 
 #[derive(Args)]

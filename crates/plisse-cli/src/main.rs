@@ -2,6 +2,7 @@
 //! library never prints. Nothing here uses `println` and its kin, which panic where nobody reads any more.
 
 mod arguments;
+mod bake;
 mod interrupt;
 mod outputs;
 mod progress;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let interrupted = interrupt::watch();
     let result = match arguments.command {
+        Command::Bake(arguments) => bake::run(&arguments, &interrupted),
         Command::Solve(arguments) => solve::run(&arguments, &interrupted),
         Command::Shell(arguments) => shell::run(&arguments, &interrupted),
         Command::Study(arguments) => study::run(&arguments, &interrupted),
