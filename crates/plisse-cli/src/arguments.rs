@@ -21,6 +21,20 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
+    /// Bake wrinkles to height and normal maps (16-bit PNG) in the texture space of a model, a solved folder or a scene
+    #[command(after_help = "Examples:\n  plisse bake character.glb --wavelength 0.03 --clip walk --frames 48 --map both -o out/walk\n  \
+        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  plisse bake out/cylinder --map height\n\n\
+        Writes normal.png and height.png (normal-0000.png and so on with --frames) and report.json into DIR. Height: 0.5 is zero, white is\n\
+        the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and OpenGL have it. Texture coordinates must lie\n\
+        within the unit square. Ctrl-C stops and keeps the frames that are done.")]
+    Bake(BakeArguments),
+    /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled geometry
+    #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk --frames 60 -o out/walk\n  \
+        plisse live shirt --wavelength 0.05 --export out/shirt.glb\n  plisse live --bench\n\n\
+        Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. Runs on the GPU, or on a Vulkan driver that\n\
+        stands in for one, by wgpu; with --cpu on the processor alone. Lengths are in metres (m), angles in degrees, times in seconds (s).\n\
+        Ctrl-C stops and keeps the frames that are done.")]
+    Live(LiveArguments),
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
     #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
         Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.\n\
@@ -63,6 +77,148 @@ pub(crate) struct OutputArguments {
     /// v1, v2, relaxed-integrability
     #[arg(long, value_name = "TERM", value_delimiter = ',')]
     pub(crate) without: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct BakeArguments {
+    /// A model (.glb, .gltf, or square, curtain, zeppelin, shirt, sleeve), a folder that solve wrote, or a scene (.toml)
+    #[arg(value_name = "INPUT")]
+    pub(crate) input: String,
+    /// What is baked
+    #[arg(long, value_enum, default_value_t = Map::Both)]
+    pub(crate) map: Map,
+    /// Texels across and down
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub(crate) size: u32,
+    /// Texels by which islands are grown
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=256))]
+    pub(crate) padding: u32,
+    /// Folder for the maps [default: out/NAME/maps, after the input]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Time within the clip (s) of a single frame [default: 0]
+    #[arg(long, value_name = "S", allow_hyphen_values = true, conflicts_with = "frames")]
+    pub(crate) time: Option<f64>,
+    /// Frames of a sequence over the whole clip
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    #[command(flatten)]
+    pub(crate) waves: WaveArguments,
+    /// Threads to use [default: one for each core]; the maps do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+}
+
+/// What wrinkles an animated model gets.
+#[derive(Args)]
+pub(crate) struct WaveArguments {
+    /// Width of one wrinkle in the rest pose (m); vertex colours (red, 0 to 1) may make it shorter
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    pub(crate) wavelength: Option<f64>,
+    /// Shares (0 to 1) of the wavelength as a PNG, read through the texture coordinates
+    #[arg(long, value_name = "FILE.png")]
+    pub(crate) wavelength_map: Option<PathBuf>,
+    /// Shape of the wrinkles: sine, accordion, pencil, or a text file with heights (-1 to 1) from crest to trough [default: sine]
+    #[arg(long, value_name = "P", allow_hyphen_values = true)]
+    pub(crate) profile: Option<String>,
+    /// Animation to play [default: the first one]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// Rounds of relaxation a frame [default: 1]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    pub(crate) rounds: Option<u32>,
+    /// Wrinkles move with every n-th frame only [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) every: Option<u32>,
+    /// Painted wrinkles of the rest pose: a JSON file {"bias": [[x, y, z], ...]}, one vector (shorter than 1) for each unified vertex
+    #[arg(long, value_name = "FILE.json", conflicts_with = "random_wrinkles")]
+    pub(crate) bias: Option<PathBuf>,
+    /// Random wrinkles of the rest pose, 0 to 0.95
+    #[arg(long, value_name = "AMOUNT", allow_hyphen_values = true)]
+    pub(crate) random_wrinkles: Option<f64>,
+    /// Chooses the random numbers [default: 1]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+}
+
+impl WaveArguments {
+    /// The flag of these that was given first, if any was.
+    pub(crate) fn given(&self) -> Option<&'static str> {
+        let flags = [
+            ("--wavelength", self.wavelength.is_some()),
+            ("--wavelength-map", self.wavelength_map.is_some()),
+            ("--profile", self.profile.is_some()),
+            ("--clip", self.clip.is_some()),
+            ("--rounds", self.rounds.is_some()),
+            ("--every", self.every.is_some()),
+            ("--bias", self.bias.is_some()),
+            ("--random-wrinkles", self.random_wrinkles.is_some()),
+            ("--seed", self.seed.is_some()),
+        ];
+        flags.iter().find(|(_, given)| *given).map(|(name, _)| *name)
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct LiveArguments {
+    /// A model: a .glb or .gltf file, or square, curtain, zeppelin, shirt, sleeve
+    #[arg(value_name = "MODEL", required_unless_present = "bench")]
+    pub(crate) model: Option<String>,
+    #[command(flatten)]
+    pub(crate) waves: WaveArguments,
+    /// Frames to make [default: those of the whole clip, 240 at most]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) frames: Option<u32>,
+    /// Frames a second
+    #[arg(long, value_name = "FPS", default_value_t = 60.0, allow_hyphen_values = true)]
+    pub(crate) fps: f64,
+    /// Time within the clip of the first frame (s); the frames before it are run through
+    #[arg(long, value_name = "S", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub(crate) start: f64,
+    /// Size of the pictures (pixels)
+    #[arg(long, value_name = "WxH", default_value = "960x720")]
+    pub(crate) size: String,
+    /// Where the camera stands: degrees to the right of the model's front (+z)
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, allow_hyphen_values = true)]
+    pub(crate) yaw: f64,
+    /// Where the camera stands: degrees above the horizon
+    #[arg(long, value_name = "DEGREES", default_value_t = 12.0, allow_hyphen_values = true)]
+    pub(crate) pitch: f64,
+    /// Image to draw the model with (PNG or JPEG) instead of its own
+    #[arg(long, value_name = "FILE")]
+    pub(crate) texture: Option<PathBuf>,
+    /// Leave the texture where it is instead of shifting it with the wrinkles
+    #[arg(long)]
+    pub(crate) no_parallax: bool,
+    /// Do everything on the processor, by the twins of the GPU's stages
+    #[arg(long)]
+    pub(crate) cpu: bool,
+    /// Also write wrinkled geometry: of the single frame, or with more frames a morph-target animation
+    #[arg(long, value_name = "FILE.glb")]
+    pub(crate) export: Option<PathBuf>,
+    /// Parts into which --export divides every edge [default: enough for 6 a wave], 1 to 64
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(crate) parts: Option<u32>,
+    /// Measure milliseconds per stage on the paper's two cases and on 10k, 100k and 1M vertices instead
+    #[arg(long, conflicts_with_all = ["model", "export", "frames"])]
+    pub(crate) bench: bool,
+    /// Folder for the results [default: out/NAME, after the model]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Threads to use [default: one for each core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+}
+
+/// Which maps `plisse bake` writes.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Map {
+    /// normal.png
+    Normal,
+    /// height.png
+    Height,
+    /// Both of them
+    Both,
 }
 
 #[derive(Args)]

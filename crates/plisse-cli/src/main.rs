@@ -1,8 +1,11 @@
 //! The `plisse` command: reads scenes and meshes, runs the library, writes files. Everything it says goes through here; the
 //! library never prints. Nothing here uses `println` and its kin, which panic where nobody reads any more.
 
+mod animated;
 mod arguments;
+mod bake;
 mod interrupt;
+mod live;
 mod outputs;
 mod progress;
 mod report;
@@ -30,6 +33,8 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let interrupted = interrupt::watch();
     let result = match arguments.command {
+        Command::Bake(arguments) => bake::run(&arguments, &interrupted),
+        Command::Live(arguments) => live::run(&arguments, &interrupted),
         Command::Solve(arguments) => solve::run(&arguments, &interrupted),
         Command::Shell(arguments) => shell::run(&arguments, &interrupted),
         Command::Study(arguments) => study::run(&arguments, &interrupted),

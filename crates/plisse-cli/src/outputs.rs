@@ -1,6 +1,7 @@
 //! The files that a run leaves.
 
 use plisse::Result;
+use plisse::bake::islands::side_by_side;
 use plisse::field::curvature::vertex_normals;
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
@@ -37,7 +38,7 @@ impl Texture {
     }
 }
 
-/// Texture coordinates from flat rest panels: rest positions scaled into the unit square.
+/// Texture coordinates from flat rest panels: their rest positions, side by side in the unit square.
 pub(crate) fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
     let first = *rest_positions.first()?;
     let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
@@ -45,8 +46,8 @@ pub(crate) fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) 
     if (high - low).z > 1e-9 * size {
         return None;
     }
-    let coordinates = rest_positions.iter().map(|p| Vec2::new((p.x - low.x) / size, (p.y - low.y) / size)).collect();
-    Some((coordinates, rest_faces.to_vec()))
+    let flat: Vec<Vec2> = rest_positions.iter().map(|p| p.xy()).collect();
+    Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
 }
 
 /// Writes base.obj, wrinkled.obj and wrinkled.glb.

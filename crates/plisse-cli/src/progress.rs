@@ -39,6 +39,14 @@ impl<'a> Bars<'a> {
         bar
     }
 
+    /// A bar for `total` things that are done one by one, with an estimate of the time left; until finished.
+    pub(crate) fn counter(&self, what: &'static str, total: usize) -> ProgressBar {
+        self.finish();
+        let template = "{prefix:>8} {bar:30} {pos} of {len}, about {eta} left";
+        let style = ProgressStyle::with_template(template).expect("the template is right");
+        ProgressBar::new(total as u64).with_style(style).with_prefix(what)
+    }
+
     /// Takes the current bar away.
     pub(crate) fn finish(&self) {
         if let Some(current) = self.current.lock().expect("no thread panics while it holds a bar").take() {

@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             topology: &built.topology,
             rest: &built.rest,
             rest_shape: (&built.rest_positions, &built.rest_faces),
-            texture: panel_texture(&built.rest_positions, &built.rest_faces),
+            texture: built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces)),
             pose: &pose,
             held: &built.clamps.held(),
             material: &built.material,

@@ -89,7 +89,7 @@ impl Subject {
 }
 
 fn subjects() -> Vec<Subject> {
-    let own = [models::square().unwrap(), models::curtain().unwrap(), models::zeppelin(), models::sleeve()];
+    let own = [models::square().unwrap(), models::curtain().unwrap(), models::zeppelin(), models::shirt(), models::sleeve()];
     own.into_iter().chain(fox()).map(Subject::new).collect()
 }
 
@@ -311,7 +311,7 @@ fn what_cannot_be_done_is_told() {
     let empty = Subject::new(Model::rigid("empty", vec![], vec![], vec![]));
     assert!(Live::new(&gpu, &[empty.character()]).is_err());
     assert!(Live::new(&gpu, &[]).is_err());
-    let texture = Texture::white();
+    let texture = Texture::plain([255; 3]);
     for size in [[0, 10], [1 << 20, 10]] {
         let text = Painter::new(&gpu, size, 2, &[&texture]).err().unwrap().to_string();
         assert!(text.contains("give 1 to"), "{text}");

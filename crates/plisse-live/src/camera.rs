@@ -48,6 +48,13 @@ impl Camera {
         Self { eye: target + back * distance, target, depth, aspect }
     }
 
+    /// Sees everything `factor` times as large.
+    pub fn nearer(&self, factor: f32) -> Self {
+        let away = self.eye - self.target;
+        let depth = self.depth.map(|d| (d + away.norm() * (1.0 / factor - 1.0)).max(1e-4 * away.norm()));
+        Self { eye: self.target + away / factor, depth, ..*self }
+    }
+
     /// Map from the world to clip space (depth 0 to 1), as wgpu has it.
     pub fn clip_from_world(&self) -> Mat4 {
         let back = (self.eye - self.target).normalize();

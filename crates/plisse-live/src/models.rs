@@ -114,6 +114,32 @@ pub fn sleeve() -> Model {
     model
 }
 
+/// A sheet of `columns` × `rows` vertices (two each at least), 1 m high, for measuring: hangs on two nodes. Clip "press": its free half
+/// goes to 60 % of its width in one second.
+pub fn sheet(columns: usize, rows: usize) -> Model {
+    let (columns, rows) = (columns.max(2), rows.max(2));
+    let step = 1.0 / (rows - 1) as f32;
+    let place = |i: usize| Vec3::new((i % columns) as f32 * step, (i / columns) as f32 * step, 0.0);
+    let positions: Vec<Vec3> = (0..columns * rows).map(place).collect();
+    let uvs = positions.iter().map(|p| Vec2::new(p.x, 1.0 - p.y)).collect();
+    let quad = |i: usize| {
+        let [a, b, c, d] = [i, i + 1, i + columns + 1, i + columns].map(|v| v as u32);
+        if (i % columns + i / columns).is_multiple_of(2) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    };
+    let corners = (0..(rows - 1) * columns).filter(|i| i % columns + 1 < columns);
+    let mut model = Model::rigid("sheet", positions, uvs, corners.flat_map(quad).collect());
+    model.nodes = vec![Node::default(), Node::default()];
+    model.node_order = vec![0, 1];
+    model.palette_nodes = vec![0, 1];
+    model.inverse_binds = vec![Mat4::identity(); 2];
+    for v in 0..columns * rows {
+        let share = model.draw.positions[v].y;
+        blend(&mut model, v, share);
+    }
+    model.clips = vec![clip("press", Target::Scale(1), vec![0.0, 1.0], vec![1.0, 1.0, 1.0, 0.6, 1.0, 1.0])];
+    model
+}
+
 /// `rings` × (`around` + 1) vertices of a tube with a seam where its texture begins; faces look outwards if `ring(i, s)` runs
 /// along x with i and around x with s in [0, 1].
 fn tube(rings: usize, around: usize, ring: impl Fn(usize, f32) -> Vec3) -> (Vec<Vec3>, Vec<Vec2>, Vec<[u32; 3]>) {

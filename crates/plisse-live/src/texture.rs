@@ -21,9 +21,9 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// One white pixel.
-    pub fn white() -> Self {
-        Self { width: 1, height: 1, rgba: vec![[255; 4]] }
+    /// One colour (sRGB).
+    pub fn plain([r, g, b]: [u8; 3]) -> Self {
+        Self { width: 1, height: 1, rgba: vec![[r, g, b, 255]] }
     }
 
     /// A checked cloth, eight checks along each side, for models without an image: it shows where the texture shifts.

@@ -1,11 +1,13 @@
 //! Wrinkle fields as JSON, for scripts and other tools.
 
 use std::io::Write;
+use std::path::Path;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::WrinkleField;
 use crate::mesh::Topology;
+use crate::{Error, Result};
 
 /// The file's content.
 #[derive(Debug, Serialize)]
@@ -38,6 +40,39 @@ pub fn write<W: Write + ?Sized>(out: &mut W, topology: &Topology, field: &Wrinkl
     out.write_all(b"\n")
 }
 
+/// The file as it is read.
+#[derive(Deserialize)]
+struct FieldText {
+    amplitude: Vec<f64>,
+    edges: Vec<[usize; 2]>,
+    omega: Vec<f64>,
+    phase: Vec<[f64; 3]>,
+    wrinkle_free: Vec<usize>,
+}
+
+/// Reads the field in the file `path`, which must have been written on `topology`.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be read; [`Error::Mesh`] naming the file if it is no such JSON, or of another mesh.
+pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
+    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let bad = |message: String| Error::mesh(path.display().to_string(), message);
+    let file: FieldText =
+        serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no field file ({e}); write it again with solve")))?;
+    let faces = topology.face_count();
+    let fits = file.amplitude.len() == topology.vertex_count
+        && file.edges == topology.edges
+        && file.omega.len() == topology.edge_count()
+        && file.phase.len() == faces
+        && file.wrinkle_free.iter().all(|&f| f < faces);
+    if !fits {
+        return Err(bad("the field is of another mesh than the one beside it; write both again with solve".to_owned()));
+    }
+    let mut wrinkle_free = vec![false; faces];
+    file.wrinkle_free.iter().for_each(|&f| wrinkle_free[f] = true);
+    Ok(WrinkleField { amplitude_m: file.amplitude, omega: file.omega, phase: file.phase, wrinkle_free })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -60,5 +95,13 @@ mod tests {
         assert_eq!(back["phase"][0][2].as_f64(), Some(0.3));
         assert_eq!(back["wrinkle_free"], serde_json::json!([1]));
         assert_eq!(back["edges"], serde_json::json!(topology.edges));
+        let path = std::env::temp_dir().join(format!("plisse-field-{}.json", std::process::id()));
+        std::fs::write(&path, &text).unwrap();
+        assert_eq!(read(&path, &topology).unwrap(), field);
+        let other = Topology::new("t", 4, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        assert!(read(&path, &other).unwrap_err().to_string().contains("another mesh"));
+        std::fs::write(&path, "{}").unwrap();
+        assert!(read(&path, &topology).is_err());
+        std::fs::remove_file(&path).unwrap();
     }
 }

@@ -1,0 +1,57 @@
+//! Maps of an animated model's live waves: one frame, or a sequence over a clip.
+
+use std::time::Instant;
+
+use plisse::io::aside::OutputFolder;
+use plisse::{Error, Result};
+use plisse_live::bake;
+use plisse_live::play::Player;
+
+use super::Job;
+use crate::Done;
+use crate::animated::{self, Animated};
+use crate::progress::Bars;
+
+/// Bakes the model file or own model that the command names.
+pub(super) fn model(job: &mut Job<'_>) -> Result<Done> {
+    let a = job.arguments;
+    let Animated { model, unified, options, profile, wavelength_m } =
+        animated::open(&a.input, &a.waves, ", a scene .toml file, a folder of plisse solve")?;
+    let time_s = a.time.unwrap_or(0.0);
+    if !(0.0..=3600.0).contains(&time_s) {
+        return Err(Error::value("--time", format!("{time_s} s cannot be played to; give 0 to 3600")));
+    }
+    bake::check(&model)?;
+    let mut player = Player::new(&model, &unified, &options, a.waves.clip.as_deref())?;
+    let times: Vec<f32> = match (a.frames, player.clip()) {
+        (Some(count), Some(clip)) => (0..count).map(|k| clip.duration_s() * k as f32 / (count - 1).max(1) as f32).collect(),
+        (Some(_), None) => return Err(Error::value("--frames", format!("{} has no clip to play; leave it out", model.name))),
+        (None, _) => vec![time_s as f32],
+    };
+    let path = job.output();
+    let mut folder = OutputFolder::create(&path)?;
+    let report = &mut job.report;
+    (report.kind, report.wavelength_m, report.profile) =
+        ("live", Some(wavelength_m), Some(a.waves.profile.clone().unwrap_or("sine".into())));
+    (report.vertices, report.faces) = (unified.count(), model.faces.len());
+    report.clip = player.clip().map(|c| c.name.clone());
+    report.height_scale_m = f64::from(bake::largest_height_m(&options.wavelength_m, &profile));
+    let bars = Bars::new(job.interrupted);
+    let bar = bars.counter("bake", times.len());
+    for (k, &time_s) in times.iter().enumerate() {
+        // One frame at least, or there is nothing to keep.
+        if k > 0 && job.is_interrupted() {
+            break;
+        }
+        let begun = Instant::now();
+        let draw = player.play_to(time_s);
+        let posed = Instant::now();
+        let maps = bake::bake(&model, &unified, &draw, &player.state, &profile, &job.options())?;
+        job.report.seconds.waves += (posed - begun).as_secs_f64();
+        job.report.seconds.bake += posed.elapsed().as_secs_f64();
+        job.write(&mut folder, &maps, a.frames.map(|_| k), f64::from(time_s))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    job.finish(folder, &path)
+}

@@ -1,0 +1,191 @@
+//! `plisse live --bench`: milliseconds per stage, on the GPU and by the twins, for the paper's two cases and larger meshes.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use plisse::Result;
+use plisse::io::aside::OutputFolder;
+use plisse_gpu::{Character, Gpu, Live, Painter, STAGES};
+use plisse_live::camera::Camera;
+use plisse_live::crush::{CrushInput, crush};
+use plisse_live::draw::Look;
+use plisse_live::gather::gather;
+use plisse_live::live::LiveOptions;
+use plisse_live::model::Model;
+use plisse_live::profile::Profile;
+use plisse_live::relax::relax;
+use plisse_live::skin::{pose, skin};
+use plisse_live::texture::Texture;
+use plisse_live::unify::{Unified, fill_normals};
+use plisse_live::{Vec3, models};
+use serde_json::json;
+
+use crate::Done;
+use crate::arguments::LiveArguments;
+use crate::progress::Bars;
+
+/// Size of the pictures, that of the paper's benchmark (pixels).
+const SIZE: [usize; 2] = [1280, 1024];
+
+/// One row of the table.
+struct Case {
+    name: &'static str,
+    columns: usize,
+    rows: usize,
+    /// Pixels that the model covers.
+    pixels: f32,
+    /// What table 2 of the paper says of this case (ms): skin, crush, relax, render.
+    published_ms: Option<[f64; 4]>,
+}
+
+const CASES: [Case; 5] = [
+    Case { name: "A", columns: 10, rows: 10, pixels: 940_000.0, published_ms: Some([0.06, 0.08, 0.11, 3.11]) },
+    Case { name: "B", columns: 43, rows: 139, pixels: 55_000.0, published_ms: Some([0.25, 1.83, 1.75, 5.01]) },
+    Case { name: "10k", columns: 100, rows: 100, pixels: 500_000.0, published_ms: None },
+    Case { name: "100k", columns: 400, rows: 250, pixels: 500_000.0, published_ms: None },
+    Case { name: "1M", columns: 1000, rows: 1000, pixels: 500_000.0, published_ms: None },
+];
+
+/// What a case took (ms): median of each stage; `None` where it was not run or cannot be told.
+#[derive(Default)]
+struct Row {
+    vertices: usize,
+    pixels: usize,
+    gpu_ms: [Option<f64>; 5],
+    /// Without the picture.
+    twin_ms: [Option<f64>; 5],
+    /// Least bytes that skin, crush and one relax must move.
+    bytes: usize,
+}
+
+pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<Done> {
+    let gpu = if arguments.cpu { None } else { Some(Gpu::new()?) };
+    let adapter = gpu.as_ref().map_or("none".to_owned(), |gpu| gpu.adapter.clone());
+    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("out/live-bench"));
+    let mut folder = OutputFolder::create(&path)?;
+    let bars = Bars::new(interrupted);
+    let bar = bars.counter("bench", CASES.len());
+    let mut rows = Vec::new();
+    for case in &CASES {
+        if interrupted.load(Ordering::SeqCst) {
+            break;
+        }
+        rows.push(measure(case, gpu.as_ref())?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let table = table(&rows, &adapter);
+    let list: Vec<serde_json::Value> = rows
+        .iter()
+        .zip(&CASES)
+        .map(|(row, case)| {
+            json!({"case": case.name, "vertices": row.vertices, "pixels": row.pixels, "stages": STAGES, "gpu_ms": row.gpu_ms,
+                "twin_ms": row.twin_ms, "bytes_of_skin_crush_relax": row.bytes, "published_ms_of_skin_crush_relax_render": case.published_ms})
+        })
+        .collect();
+    folder.write("bench.md", |out| out.write_all(table.as_bytes()))?;
+    folder.write("bench.json", |out| {
+        serde_json::to_writer_pretty(&mut *out, &json!({"adapter": adapter, "threads": rayon::current_num_threads(), "cases": list}))?;
+        out.write_all(b"\n")
+    })?;
+    folder.commit()?;
+    let _ = std::io::stdout().write_all(table.as_bytes());
+    Ok(if rows.len() < CASES.len() { Done::Interrupted } else { Done::Whole })
+}
+
+fn table(rows: &[Row], adapter: &str) -> String {
+    let mut table = format!(
+        "Milliseconds per stage (median). Adapter: {adapter}; twins on {} threads; pictures of {} x {} pixels.\n\n\
+         | case | vertices | pixels | by | skin | crush | relax | gather | render |\n|---|---|---|---|---|---|---|---|---|\n",
+        rayon::current_num_threads(),
+        SIZE[0],
+        SIZE[1]
+    );
+    let cell = |ms: &Option<f64>| ms.map_or("".to_owned(), |ms| format!("{ms:.3}"));
+    for (row, case) in rows.iter().zip(&CASES) {
+        let mut line = |by: &str, ms: &[Option<f64>; 5]| {
+            let cells: Vec<String> = ms.iter().map(cell).collect();
+            let _ = writeln!(table, "| {} | {} | {} | {by} | {} |", case.name, row.vertices, row.pixels, cells.join(" | "));
+        };
+        if let Some([skin, crush, relax, render]) = case.published_ms {
+            line("paper (GeForce 6800 GT)", &[Some(skin), Some(crush), Some(relax), None, Some(render)]);
+        }
+        if row.gpu_ms.iter().any(Option::is_some) {
+            line("adapter", &row.gpu_ms);
+        }
+        line("twins", &row.twin_ms);
+    }
+    table
+}
+
+fn median(list: &mut [f64]) -> Option<f64> {
+    list.sort_by(f64::total_cmp);
+    list.get(list.len() / 2).copied()
+}
+
+fn measure(case: &Case, gpu: Option<&Gpu>) -> Result<Row> {
+    let mut model: Model = models::sheet(case.columns, case.rows);
+    let unified = Unified::new(&model, 1e-7);
+    fill_normals(&mut model, &unified);
+    let options = LiveOptions { first_rounds: 1, spread_new: false, ..LiveOptions::new(0.05) };
+    let frames = (2_000_000 / unified.count()).clamp(5, 60);
+    let poses: Vec<_> = (0..frames).map(|k| pose(&model, model.clip(None), k as f32 / frames as f32)).collect();
+    let neighbours = unified.neighbours.len();
+    // Rest and posed vertices, joints and weights in and out of Skin; each array of Crush and Relax once.
+    let skin_bytes = 32 + 32 + 24;
+    let bytes = 2 * unified.count() * skin_bytes + unified.count() * (64 + 8 + 48 + 32 + 16 + 8 + 8) + 8 * neighbours;
+    let mut row = Row { vertices: unified.count(), bytes, ..Row::default() };
+    let mut lists: [Vec<f64>; 5] = Default::default();
+    if let Some(gpu) = gpu {
+        let characters = [Character { model: &model, unified: &unified, wavelength_m: &options.wavelength_m, bias: &[] }];
+        let mut live = Live::new(gpu, &characters)?;
+        live.begin(gpu, &characters, &[&poses[0]], &options)?;
+        let texture = Texture::checked();
+        let painter = Painter::new(gpu, SIZE, 1, &[&texture])?;
+        let profile = Profile::sine();
+        let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: true };
+        let mut camera = Camera::fit(unified.vertices.positions.iter(), 0.0, 0.0, SIZE[0] as f32 / SIZE[1] as f32);
+        for _ in 0..3 {
+            painter.draw(gpu, &live, &camera, &look)?;
+            row.pixels = painter.read(gpu)?.covered;
+            camera = camera.nearer((case.pixels / row.pixels.max(1) as f32).sqrt());
+        }
+        for now in &poses {
+            live.step(gpu, &[now], &options)?;
+            painter.draw(gpu, &live, &camera, &look)?;
+            for (list, time) in lists.iter_mut().zip(live.times_ms(gpu, true)?) {
+                list.extend(time);
+            }
+        }
+        row.pixels = painter.read(gpu)?.covered;
+        row.gpu_ms = std::array::from_fn(|s| median(&mut lists[s]));
+    }
+    let mut lists: [Vec<f64>; 5] = Default::default();
+    let mut phase = vec![0.0; unified.count()];
+    let mut next = phase.clone();
+    for now in poses.iter().take(frames.min(20)) {
+        let mut begun = Instant::now();
+        let mut take = |stage: usize| {
+            lists[stage].push(begun.elapsed().as_secs_f64() * 1e3);
+            begun = Instant::now();
+        };
+        // Unified and draw vertices, as on the GPU.
+        let posed = skin(&unified.vertices, now);
+        let drawn = skin(&model.draw, now);
+        take(0);
+        let input = CrushInput { wavelength_m: &options.wavelength_m, bias: &[], last_direction: &[] };
+        let crushed = crush(&unified, &posed, &input);
+        take(1);
+        relax(&unified, &posed.positions, &crushed, options.rate, &phase, &mut next);
+        take(2);
+        let faces = gather(&model, &unified, &posed, &drawn, &crushed, &next);
+        take(3);
+        std::mem::swap(&mut phase, &mut next);
+        drop(faces);
+    }
+    row.twin_ms = std::array::from_fn(|s| median(&mut lists[s]));
+    Ok(row)
+}
