@@ -10,7 +10,8 @@ use crate::render::{Corner, FaceWaves};
 use crate::skin::Skinned;
 use crate::unify::Unified;
 
-/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw vertices) with the waves of their unified vertices.
+/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw vertices) with the waves of their unified
+/// vertices.
 pub fn faces(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState) -> Vec<FaceWaves> {
     let corner = |v: u32| {
         let (v, u) = (v as usize, unified.vertex_of_draw[v as usize] as usize);

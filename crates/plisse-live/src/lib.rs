@@ -2,7 +2,8 @@
 //!
 //! Four stages, each a function of arrays, f32 like their GPU twins: [`skin`] moves the vertices, [`crush`] measures how much
 //! and where to the surface is compressed, [`relax`] aligns the phases of neighbouring waves, [`render`] reads height, normal
-//! and texture shift at a point of a face. [`live`] runs the first three frame by frame, [`play`] through a clip. Models come from glTF files
+//! and texture shift at a point of a face. [`live`] runs the first three frame by frame, [`play`] through a clip. Models come from glTF
+//! files
 //! ([`gltf_in`]) or are made here ([`models`]); [`unify`] joins the vertices that texture seams split.
 //! [`bias`] holds wrinkles of the rest pose, [`mod@wavelength`] wavelengths that differ from vertex to vertex.
 //! [`field`] converts to and from the library's wrinkle field, [`bake`] makes maps, [`export`] geometry.
