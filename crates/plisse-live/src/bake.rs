@@ -11,7 +11,8 @@ use crate::render::FaceWaves;
 use crate::skin::Skinned;
 use crate::unify::Unified;
 
-/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw vertices) with the waves of their unified vertices.
+/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw vertices) with the waves of their unified
+/// vertices.
 pub fn faces(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState) -> Vec<FaceWaves> {
     gather(model, unified, &state.posed, draw, &state.crushed, &state.phase).into_iter().map(FaceWaves::new).collect()
 }

@@ -15,7 +15,7 @@ use crate::unify::Unified;
 use crate::{CHUNK, Vec3, wrap};
 
 /// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this one's length.
-pub const LEAST_R: f32 = 0.05;
+pub const LEAST_R: f32 = 0.25;
 /// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no compression.
 pub(crate) const ROUND_OFF: f32 = 2e-6;
 /// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing across it.

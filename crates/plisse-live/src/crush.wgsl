@@ -2,7 +2,7 @@
 
 const TAU = 6.283185307;
 // As in crush.rs.
-const LEAST_R = 0.05;
+const LEAST_R = 0.25;
 const ROUND_OFF = 2e-6;
 const SINGULAR = 1e-5;
 

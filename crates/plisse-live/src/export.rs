@@ -138,7 +138,8 @@ pub fn write_still<W: Write + ?Sized>(out: &mut W, model: &Model, fine: &Fine) -
 /// one after the other, `fps` a second.
 ///
 /// # Errors
-/// As [`write_still`]; also [`io::ErrorKind::InvalidData`] without frames, for frames of different models, and for an `fps` that is not above 0.
+/// As [`write_still`]; also [`io::ErrorKind::InvalidData`] without frames, for frames of different models, and for an `fps` that is not
+/// above 0.
 pub fn write_sequence<W: Write + ?Sized>(out: &mut W, model: &Model, frames: &[Fine], fps: f32, between: Between) -> io::Result<()> {
     let Some((first, others)) = frames.split_first() else { return Err(invalid("there are no frames to write".into())) };
     if others.is_empty() {

@@ -38,7 +38,8 @@ pub fn read(path: &Path) -> Result<Model> {
 /// The model in `bytes`; files it names are looked for in `folder`.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint or
+/// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint
+/// or
 /// vertex index is out of range, a number is no number, nodes form a ring, nothing has positions and faces.
 pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
     let bad = |message: String| Error::mesh(place, message);

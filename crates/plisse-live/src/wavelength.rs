@@ -12,7 +12,8 @@ use crate::unify::Unified;
 /// The least share that is followed.
 pub const LEAST_SHARE: f32 = 0.05;
 
-/// Wavelengths as [`crate::live::LiveOptions`] takes them: one for all (m, rest) without `shares` (`[V]`, of draw vertices, 0..1), else `[U]`
+/// Wavelengths as [`crate::live::LiveOptions`] takes them: one for all (m, rest) without `shares` (`[V]`, of draw vertices, 0..1), else
+/// `[U]`
 /// of them; a unified vertex takes the share of its first draw vertex.
 pub fn per_vertex(unified: &Unified, wavelength_m: f32, shares: Option<&[f32]>) -> Vec<f32> {
     let Some(shares) = shares else { return vec![wavelength_m] };

@@ -136,7 +136,7 @@ impl Arm {
         let t = from.dot(&self.along);
         let distance = (from - self.along * t).norm();
         let arm = smooth((t + 0.06) / 0.16) * (1.0 - smooth((distance - 0.08) / 0.1));
-        let fore = arm * smooth((t - UPPER_ARM_M + 0.08) / 0.16);
+        let fore = arm * smooth((t - UPPER_ARM_M + 0.13) / 0.26);
         [arm - fore, fore]
     }
 }

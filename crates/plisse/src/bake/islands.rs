@@ -5,7 +5,8 @@ use crate::mesh::Vec2;
 /// Space between islands, relative to the largest side of all of them.
 const GAP: f64 = 0.02;
 
-/// Scales the plane figures `positions` (`[T]`, m) into the unit square, all alike. Where the bounding boxes of connected pieces of `faces` overlap,
+/// Scales the plane figures `positions` (`[T]`, m) into the unit square, all alike. Where the bounding boxes of connected pieces of
+/// `faces` overlap,
 /// as those of panels do that all begin at their own origin, pieces are first laid side by side, in rows.
 pub fn side_by_side(positions: &[Vec2], faces: &[[usize; 3]]) -> Vec<Vec2> {
     let (piece, boxes) = pieces(positions, faces);
