@@ -3,7 +3,7 @@
 //!
 //! Ordering by approximate minimum degree, symbolic part and solves are those of `faer`. Its numeric part runs on one thread on
 //! purpose, so that its rounding does not depend on the number of threads. Where a large matrix is factorised many times, a nested
-//! dissection ([`super::dissection`]) is tried, too, and the numeric part is that of [`super::fronts`], whose rounding does not either.
+//! dissection ([`super::dissection`]) is tried, too, and the numeric part is that of `fronts`, whose rounding does not either.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -161,12 +161,22 @@ mod tests {
         assert!(!cholesky.factorise(&values));
     }
 
-    /// A grid of `side` × `side` vertices with three unknowns each, in which the four of a cell and those of the next two couple.
-    fn wide_grid(side: usize) -> SymmetricPattern {
-        let cells = (0..(side - 1) * (side - 2)).map(|cell| (cell / (side - 2), cell % (side - 2)));
+    /// The couplings of a reference shell on `side` × `side` vertices, flat or rolled to a tube: three unknowns for each vertex, and
+    /// elements of a triangle with the far corners of its neighbours.
+    fn shell(side: usize, tube: bool) -> SymmetricPattern {
+        let lower = [[0, 0], [1, 0], [0, 1], [1, 1], [1, -1], [-1, 1]];
+        let upper = [[1, 0], [1, 1], [0, 1], [0, 0], [2, 0], [0, 2]];
+        let vertex = |x: i64, y: i64| {
+            let n = side as i64;
+            let x = if tube { x.rem_euclid(n) } else { x };
+            ((0..n).contains(&x) && (0..n).contains(&y)).then_some((y * n + x) as usize)
+        };
+        let wide = side - usize::from(!tube);
+        let cells = (0..wide * (side - 1)).map(|cell| ((cell % wide) as i64, (cell / wide) as i64));
         let elements: Vec<Vec<usize>> = cells
-            .map(|(y, x)| [0, 1, 2].map(|right| [0, 1].map(|up| (y + up) * side + x + right)))
-            .map(|corners| corners.concat().into_iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect())
+            .flat_map(|cell| [(cell, lower), (cell, upper)])
+            .map(|((x, y), corners)| corners.into_iter().filter_map(|[right, up]| vertex(x + right, y + up)).collect::<Vec<_>>())
+            .map(|corners| corners.into_iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect())
             .collect();
         SymmetricPattern::from_elements(3 * side * side, elements.iter().map(Vec::as_slice))
     }
@@ -188,18 +198,28 @@ mod tests {
     }
 
     #[test]
-    fn dissection_beats_minimum_degree_on_a_grid() {
-        let pattern = wide_grid(100);
-        let by_degree = Cholesky::new(pattern.clone()).unwrap();
-        let many = Cholesky::for_many(pattern).unwrap();
-        assert!(many.fronts.is_some());
-        assert!(many.symbolic.len_val() < by_degree.symbolic.len_val());
-        assert!(operations(&many.symbolic) < 0.9 * operations(&by_degree.symbolic));
+    fn dissection_beats_minimum_degree_on_a_tube_and_is_as_good_on_a_sheet() {
+        for (tube, entries, work) in [(true, 0.9, 0.8), (false, 1.03, 1.03)] {
+            let pattern = shell(100, tube);
+            let order = dissect(&pattern);
+            let mut place = vec![0; order.len()];
+            for (k, &unknown) in order.iter().enumerate() {
+                place[unknown] = k;
+            }
+            let custom = SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len()));
+            let [dissected, by_degree] = [custom, SymmetricOrdering::Amd].map(|ordering| analyse(&pattern, ordering).unwrap());
+            assert!((dissected.len_val() as f64) < entries * by_degree.len_val() as f64, "tube {tube}");
+            assert!(operations(&dissected) < work * operations(&by_degree), "tube {tube}");
+            // The one with less work is taken, in fronts.
+            let many = Cholesky::for_many(pattern).unwrap();
+            assert!(many.fronts.is_some());
+            assert_eq!(operations(&many.symbolic), operations(&dissected).min(operations(&by_degree)));
+        }
     }
 
     #[test]
     fn many_solves_are_right_and_the_same_for_any_number_of_threads() {
-        let pattern = wide_grid(60);
+        let pattern = shell(60, true);
         let n = pattern.size();
         let mut values = dominant(&pattern);
         let expected: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
