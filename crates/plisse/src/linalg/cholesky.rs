@@ -1,37 +1,82 @@
-//! Sparse Cholesky factorisation (by `faer`) of matrices that share one pattern: ordering and symbolic part once, numeric
-//! part as often as wanted without allocating.
+//! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic part once, numeric part as often as
+//! wanted.
 //!
-//! The numeric part runs on one thread on purpose, so that its rounding does not depend on the number of threads.
+//! Ordering by approximate minimum degree, symbolic part and solves are those of `faer`. Its numeric part runs on one thread on
+//! purpose, so that its rounding does not depend on the number of threads. Where a large matrix is factorised many times, a nested
+//! dissection ([`super::dissection`]) is tried, too, and the numeric part is that of `fronts`, whose rounding does not either.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use super::dissection::dissect;
+use super::fronts::Fronts;
 use super::sparse::SymmetricPattern;
 use crate::{Error, Result};
+
+/// Unknowns from which on a better order and fronts are worth their preparation.
+const LARGE: usize = 6000;
 
 /// A factorisation whose symbolic part is done.
 pub struct Cholesky {
     pattern: SymmetricPattern,
     symbolic: SymbolicCholesky<usize>,
+    fronts: Option<Fronts>,
     factor: Vec<f64>,
     memory: MemBuffer,
 }
 
 impl Cholesky {
-    /// Orders and analyses `pattern`.
+    /// Orders and analyses `pattern`, for a few factorisations.
     ///
     /// # Errors
     /// [`Error::Numeric`] when memory runs out.
     pub fn new(pattern: SymmetricPattern) -> Result<Self> {
-        let symbolic = factorize_symbolic_cholesky(view(&pattern), Side::Lower, SymmetricOrdering::Amd, CholeskySymbolicParams::default())
-            .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))?;
-        let need = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let memory = MemBuffer::new(need.or(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq)));
+        let symbolic = analyse(&pattern, SymmetricOrdering::Amd)?;
+        Ok(Self::prepare(pattern, symbolic, None))
+    }
+
+    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not.
+    ///
+    /// # Errors
+    /// [`Error::Numeric`] when memory runs out.
+    pub fn for_many(pattern: SymmetricPattern) -> Result<Self> {
+        if pattern.size() < LARGE {
+            return Self::new(pattern);
+        }
+        let (by_degree, dissected) = rayon::join(
+            || analyse(&pattern, SymmetricOrdering::Amd),
+            || {
+                let order = dissect(&pattern);
+                let mut place = vec![0; order.len()];
+                for (k, &unknown) in order.iter().enumerate() {
+                    place[unknown] = k;
+                }
+                analyse(&pattern, SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len())))
+            },
+        );
+        let (by_degree, dissected) = (by_degree?, dissected?);
+        let symbolic = if operations(&dissected) < operations(&by_degree) { dissected } else { by_degree };
+        let fronts = match (symbolic.raw(), symbolic.perm()) {
+            (SymbolicCholeskyRaw::Supernodal(supernodes), Some(order)) => Fronts::new(&pattern, order, supernodes),
+            _ => None,
+        };
+        Ok(Self::prepare(pattern, symbolic, fronts))
+    }
+
+    fn prepare(pattern: SymmetricPattern, symbolic: SymbolicCholesky<usize>, fronts: Option<Fronts>) -> Self {
+        let solve = symbolic.solve_in_place_scratch::<f64>(8, Par::Seq);
+        let need = match fronts {
+            Some(_) => solve,
+            None => solve.or(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())),
+        };
         let factor = vec![0.0; symbolic.len_val()];
-        Ok(Self { pattern, symbolic, factor, memory })
+        Self { pattern, symbolic, fronts, factor, memory: MemBuffer::new(need) }
     }
 
     /// The pattern given to [`Cholesky::new`].
@@ -42,6 +87,9 @@ impl Cholesky {
     /// Factorises the matrix with these lower-triangle `values`. Returns whether it is positive definite; only then may
     /// [`Cholesky::solve`] follow.
     pub fn factorise(&mut self, values: &[f64]) -> bool {
+        if let Some(fronts) = &self.fronts {
+            return fronts.factorise(values, &mut self.factor);
+        }
         let matrix = SparseColMatRef::new(view(&self.pattern), values);
         self.symbolic
             .factorize_numeric_llt(
@@ -61,6 +109,26 @@ impl Cholesky {
         let n = x.len();
         let factor = LltRef::new(&self.symbolic, &self.factor);
         factor.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(x, n, 1), Par::Seq, MemStack::new(&mut self.memory));
+    }
+}
+
+fn analyse(pattern: &SymmetricPattern, ordering: SymmetricOrdering<'_, usize>) -> Result<SymbolicCholesky<usize>> {
+    factorize_symbolic_cholesky(view(pattern), Side::Lower, ordering, CholeskySymbolicParams::default())
+        .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))
+}
+
+/// Floating-point operations of one factorisation: the sum of squares of the entries in each column.
+fn operations(symbolic: &SymbolicCholesky<usize>) -> f64 {
+    match symbolic.raw() {
+        SymbolicCholeskyRaw::Simplicial(factor) => factor.col_ptr().windows(2).map(|ends| ((ends[1] - ends[0]) as f64).powi(2)).sum(),
+        SymbolicCholeskyRaw::Supernodal(factor) => {
+            let columns = factor.supernode_begin().iter().zip(factor.supernode_end()).map(|(begin, end)| end - begin);
+            let squares = |(s, width): (usize, usize)| {
+                let below = factor.supernode(s).pattern().len();
+                (below + 1..=below + width).map(|rows| (rows * rows) as f64).sum::<f64>()
+            };
+            columns.enumerate().map(squares).sum()
+        }
     }
 }
 
@@ -91,5 +159,88 @@ mod tests {
         assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12));
         values[pattern.slot(10, 10)] = 0.1;
         assert!(!cholesky.factorise(&values));
+    }
+
+    /// The couplings of a reference shell on `side` × `side` vertices, flat or rolled to a tube: three unknowns for each vertex, and
+    /// elements of a triangle with the far corners of its neighbours.
+    fn shell(side: usize, tube: bool) -> SymmetricPattern {
+        let lower = [[0, 0], [1, 0], [0, 1], [1, 1], [1, -1], [-1, 1]];
+        let upper = [[1, 0], [1, 1], [0, 1], [0, 0], [2, 0], [0, 2]];
+        let vertex = |x: i64, y: i64| {
+            let n = side as i64;
+            let x = if tube { x.rem_euclid(n) } else { x };
+            ((0..n).contains(&x) && (0..n).contains(&y)).then_some((y * n + x) as usize)
+        };
+        let wide = side - usize::from(!tube);
+        let cells = (0..wide * (side - 1)).map(|cell| ((cell % wide) as i64, (cell / wide) as i64));
+        let elements: Vec<Vec<usize>> = cells
+            .flat_map(|cell| [(cell, lower), (cell, upper)])
+            .map(|((x, y), corners)| corners.into_iter().filter_map(|[right, up]| vertex(x + right, y + up)).collect::<Vec<_>>())
+            .map(|corners| corners.into_iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect())
+            .collect();
+        SymmetricPattern::from_elements(3 * side * side, elements.iter().map(Vec::as_slice))
+    }
+
+    /// Diagonally dominant values with negative, uneven couplings.
+    fn dominant(pattern: &SymmetricPattern) -> Vec<f64> {
+        let (mut values, mut sums) = (vec![0.0; pattern.entry_count()], vec![0.1; pattern.size()]);
+        for column in 0..pattern.size() {
+            for slot in pattern.columns[column] + 1..pattern.columns[column + 1] {
+                values[slot] = -1.0 - 0.5 * (slot as f64).sin();
+                sums[column] -= values[slot];
+                sums[pattern.rows[slot]] -= values[slot];
+            }
+        }
+        for column in 0..pattern.size() {
+            values[pattern.columns[column]] = sums[column];
+        }
+        values
+    }
+
+    #[test]
+    fn dissection_beats_minimum_degree_on_a_tube_and_is_as_good_on_a_sheet() {
+        for (tube, entries, work) in [(true, 0.9, 0.8), (false, 1.03, 1.03)] {
+            let pattern = shell(100, tube);
+            let order = dissect(&pattern);
+            let mut place = vec![0; order.len()];
+            for (k, &unknown) in order.iter().enumerate() {
+                place[unknown] = k;
+            }
+            let custom = SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len()));
+            let [dissected, by_degree] = [custom, SymmetricOrdering::Amd].map(|ordering| analyse(&pattern, ordering).unwrap());
+            assert!((dissected.len_val() as f64) < entries * by_degree.len_val() as f64, "tube {tube}");
+            assert!(operations(&dissected) < work * operations(&by_degree), "tube {tube}");
+            // The one with less work is taken, in fronts.
+            let many = Cholesky::for_many(pattern).unwrap();
+            assert!(many.fronts.is_some());
+            assert_eq!(operations(&many.symbolic), operations(&dissected).min(operations(&by_degree)));
+        }
+    }
+
+    #[test]
+    fn many_solves_are_right_and_the_same_for_any_number_of_threads() {
+        let pattern = shell(60, true);
+        let n = pattern.size();
+        let mut values = dominant(&pattern);
+        let expected: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
+        let mut right = vec![0.0; n];
+        pattern.multiply(&values, &expected, &mut right);
+        let solved = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let mut cholesky = Cholesky::for_many(pattern.clone()).unwrap();
+                assert!(cholesky.fronts.is_some() && cholesky.factorise(&values));
+                let mut x = right.clone();
+                cholesky.solve(&mut x);
+                (x, cholesky.factor)
+            })
+        };
+        let (x, factor) = solved(1);
+        assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-10));
+        for threads in [2, 4] {
+            assert!(solved(threads).1.iter().zip(&factor).all(|(a, b)| a.to_bits() == b.to_bits()));
+        }
+        values[pattern.slot(n / 2, n / 2)] = 1.0;
+        assert!(!Cholesky::for_many(pattern).unwrap().factorise(&values));
     }
 }

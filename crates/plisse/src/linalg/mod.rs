@@ -1,10 +1,13 @@
 //! Numerical ground floor: symmetric sparse matrices assembled from elements ([`sparse`]), their Cholesky factorisation with
-//! a symbolic part that is made once ([`cholesky`]), bound-constrained Newton ([`newton`]), small dense eigenproblems
-//! ([`small`]), closest integer vectors ([`lattice`]), and derivative checks for tests (`derivative_check`).
+//! a symbolic part that is made once ([`cholesky`], over [`dissection`] and `fronts`), bound-constrained Newton ([`newton`]),
+//! small dense eigenproblems ([`small`]), closest integer vectors ([`lattice`]), and derivative checks for tests
+//! (`derivative_check`).
 
 pub mod cholesky;
 #[cfg(test)]
 pub mod derivative_check;
+pub mod dissection;
+mod fronts;
 pub mod lattice;
 pub mod newton;
 pub mod small;

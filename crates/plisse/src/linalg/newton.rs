@@ -100,7 +100,7 @@ pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
 pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, observer: &dyn Observer) -> Result<Outcome> {
     let n = start.len();
     let lower = problem.lower_bounds();
-    let mut cholesky = Cholesky::new(problem.pattern())?;
+    let mut cholesky = Cholesky::for_many(problem.pattern())?;
     let diagonal: Vec<usize> = (0..n).map(|i| cholesky.pattern().slot(i, i)).collect();
     let mut values = vec![0.0; cholesky.pattern().entry_count()];
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();

@@ -17,8 +17,8 @@ use crate::mesh::{NONE, Vec3};
 
 /// Faces a thread takes at once.
 const CHUNK: usize = 128;
-/// Element Hessians that are kept at once.
-const BUFFER: usize = 4096;
+/// Faces whose element Hessians are added at once.
+const BUFFER: usize = 2048;
 
 /// How the shell resists bending.
 pub(super) enum Bending {
@@ -48,8 +48,14 @@ pub(super) struct Equilibrium<'a> {
     hinges: Elements,
     pattern: SymmetricPattern,
     bending_values: Vec<f64>,
-    face_hessians: Vec<FaceHessian>,
-    hinge_hessians: Vec<ElementHessian>,
+    buffers: [Buffer; 2],
+}
+
+/// Hessians of a batch of faces, and of their hinges if there are any.
+#[derive(Clone, Default)]
+struct Buffer {
+    faces: Vec<FaceHessian>,
+    hinges: Vec<ElementHessian>,
 }
 
 /// The free coordinates of each element, and where their couplings are in the matrix.
@@ -141,6 +147,14 @@ impl<'a> Equilibrium<'a> {
         hinges.find_slots(&pattern);
         let length_m = setup.length_m();
         let unit_joule = setup.material.young_pa * setup.material.thickness_m * length_m * length_m;
+        let batch = BUFFER.min(topology.face_count());
+        let buffer = Buffer {
+            faces: vec![FaceHessian::zeros(); batch],
+            hinges: match bending {
+                Bending::Quadratic(_) => Vec::new(),
+                Bending::MidEdge(_) => vec![ElementHessian::zeros(); batch],
+            },
+        };
         let mut problem = Self {
             setup,
             membranes: setup.rest.faces.iter().map(|r| Membrane::new(r, setup.material, compressive_stiffness)).collect(),
@@ -152,11 +166,7 @@ impl<'a> Equilibrium<'a> {
             unit_joule,
             origin: pose.to_vec(),
             pose: pose.to_vec(),
-            face_hessians: vec![FaceHessian::zeros(); BUFFER.min(topology.face_count())],
-            hinge_hessians: match bending {
-                Bending::Quadratic(_) => Vec::new(),
-                Bending::MidEdge(_) => vec![ElementHessian::zeros(); BUFFER.min(topology.face_count())],
-            },
+            buffers: [buffer.clone(), buffer],
             faces,
             hinges,
             bending_values: vec![0.0; pattern.entry_count()],
@@ -275,6 +285,21 @@ impl<'a> Equilibrium<'a> {
         (0..n).step_by(BUFFER).map(move |first| first..n.min(first + BUFFER))
     }
 
+    fn element_hessians(&self, batch: &Range<usize>, convexity: Convexity, buffer: &mut Buffer) {
+        let pressure_pa = self.setup.loads.pressure_pa;
+        buffer.faces.par_iter_mut().with_min_len(CHUNK).zip(batch.clone()).for_each(|(out, f)| {
+            *out = self.membranes[f].derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), convexity).2;
+            // The volume's Hessian is indefinite: it has no place in a convex one.
+            if pressure_pa != 0.0 && convexity == Convexity::Exact {
+                *out -= pressure::hessian(&self.corners_about(f)) * pressure_pa;
+            }
+        });
+        if let Bending::MidEdge(bending) = &self.bending {
+            let hinges = buffer.hinges.par_iter_mut().with_min_len(CHUNK);
+            hinges.zip(batch.clone()).for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, convexity).2);
+        }
+    }
+
     fn add_vertex_gradient(&self, gradient: &mut [f64]) {
         let scale = self.length_m / self.unit_joule;
         let mut add = |v: usize, force: Vec3| {
@@ -379,31 +404,32 @@ impl Problem for Equilibrium<'_> {
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
         values.copy_from_slice(&self.bending_values);
         let scale = self.length_m * self.length_m / self.unit_joule;
-        let pressure_pa = self.setup.loads.pressure_pa;
-        let (mut face_hessians, mut hinge_hessians) = (std::mem::take(&mut self.face_hessians), std::mem::take(&mut self.hinge_hessians));
-        for batch in self.batches() {
-            face_hessians.par_iter_mut().with_min_len(CHUNK).zip(batch.clone()).for_each(|(out, f)| {
-                *out = self.membranes[f].derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), convexity).2;
-                // The volume's Hessian is indefinite: it has no place in a convex one.
-                if pressure_pa != 0.0 && convexity == Convexity::Exact {
-                    *out -= pressure::hessian(&self.corners_about(f)) * pressure_pa;
+        let mut batches = self.batches();
+        let [mut here, mut ahead] = std::mem::take(&mut self.buffers);
+        let mut batch = batches.next();
+        if let Some(batch) = &batch {
+            self.element_hessians(batch, convexity, &mut here);
+        }
+        // One batch is added, in order, while the next is being computed.
+        while let Some(ready) = batch {
+            batch = batches.next();
+            let add = || {
+                for (f, hessian) in ready.clone().zip(&here.faces) {
+                    self.faces.add_hessian(f, hessian, scale, values);
                 }
-            });
-            for (f, hessian) in batch.clone().zip(&face_hessians) {
-                self.faces.add_hessian(f, hessian, scale, values);
-            }
-            if let Bending::MidEdge(bending) = &self.bending {
-                hinge_hessians
-                    .par_iter_mut()
-                    .with_min_len(CHUNK)
-                    .zip(batch.clone())
-                    .for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, convexity).2);
-                for (f, hessian) in batch.zip(&hinge_hessians) {
+                for (f, hessian) in ready.zip(&here.hinges) {
                     self.hinges.add_hessian(f, hessian, scale, values);
                 }
-            }
+            };
+            let compute = || {
+                if let Some(batch) = &batch {
+                    self.element_hessians(batch, convexity, &mut ahead);
+                }
+            };
+            rayon::join(add, compute);
+            std::mem::swap(&mut here, &mut ahead);
         }
-        (self.face_hessians, self.hinge_hessians) = (face_hessians, hinge_hessians);
+        self.buffers = [here, ahead];
         let Some(barrier) = &self.barrier else { return };
         for v in 0..self.pose.len() {
             let Some(push) = barrier.push(v, &self.pose[v], convexity == Convexity::Exact) else { continue };
