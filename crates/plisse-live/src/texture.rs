@@ -32,10 +32,10 @@ impl Texture {
         let band = |i: usize| (i / 32) % 2 == 0;
         let thread = |i: usize| i % 32 < 2;
         let colour = |x: usize, y: usize| match (band(x), band(y)) {
-            _ if thread(x) || thread(y) => [236, 226, 208, 255],
-            (true, true) => [126, 62, 58, 255],
-            (false, false) => [214, 196, 172, 255],
-            _ => [172, 126, 112, 255],
+            _ if thread(x) || thread(y) => [222, 200, 178, 255],
+            (true, true) => [186, 142, 122, 255],
+            (false, false) => [216, 186, 164, 255],
+            _ => [202, 164, 143, 255],
         };
         Self { width: size, height: size, rgba: (0..size * size).map(|i| colour(i % size, i / size)).collect() }
     }
