@@ -50,10 +50,12 @@ fn frames_a_film_and_a_report_by_the_twins() {
     assert_eq!((film_size, film_frames), ([80, 60], 3));
     let (_, bent, _) = pixels(&out.join("frame-0002.png"));
     assert_ne!(rest, bent);
-    // Fewer frames into the same folder, by one thread: the same bytes, and the others go.
-    made("sleeve", &out, &["--wavelength", "0.03", "--frames", "1", "--size", "160x120", "--cpu", "--threads", "1"]);
+    // One thread: the same bytes.
+    made("sleeve", &out, &[&more[..], &["--threads", "1"]].concat());
+    assert!(pixels(&out.join("frame-0002.png")).1 == bent);
+    // Fewer frames into the same folder: the others go.
+    made("sleeve", &out, &["--wavelength", "0.03", "--frames", "1", "--size", "160x120", "--cpu"]);
     assert_eq!(names(&out), ["frame-0000.png", "report.json"]);
-    assert_eq!(pixels(&out.join("frame-0000.png")).1, rest);
 }
 
 #[test]

@@ -92,10 +92,16 @@ impl Gpu {
         }
     }
 
+    /// Most bytes of a buffer.
+    pub(crate) fn most_bytes(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+    }
+
     /// A buffer that holds `data`, one element of zeros if that is empty (no buffer may be).
     pub(crate) fn buffer<T: Pod>(&self, label: &str, data: &[T], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
-        let most = self.device.limits().max_storage_buffer_binding_size.min(self.device.limits().max_buffer_size);
+        let most = self.most_bytes();
         if bytes.len() as u64 > most {
             let asks = format!("{label} need {} MB, the adapter takes {} MB at once", bytes.len() >> 20, most >> 20);
             return Err(Error::numeric("GPU", format!("{asks}; use a smaller model or add --cpu")));

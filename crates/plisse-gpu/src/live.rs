@@ -22,6 +22,8 @@ pub(crate) const FACE_FLOATS: usize = 40;
 struct Counts {
     count: u32,
     other: u32,
+    first: u32,
+    unused: u32,
 }
 
 #[repr(C)]
@@ -31,11 +33,18 @@ struct Round {
     rate: f32,
 }
 
-/// A stage with its arguments, in one variant for each of the two phase buffers where that matters.
+/// A stage with its arguments, in as many variants as it is run with.
 struct Stage {
     pipeline: wgpu::ComputePipeline,
     arguments: Vec<wgpu::BindGroup>,
-    groups: u32,
+    /// Workgroups of each variant.
+    groups: Vec<u32>,
+}
+
+/// Gathered faces, as many as the adapter takes in one buffer.
+pub(crate) struct Batch {
+    pub(crate) faces: wgpu::Buffer,
+    pub(crate) range: [usize; 2],
 }
 
 /// What a frame has made, read back.
@@ -62,7 +71,7 @@ pub struct Live {
     direction: wgpu::Buffer,
     wave: wgpu::Buffer,
     phase: [wgpu::Buffer; 2],
-    pub(crate) faces: wgpu::Buffer,
+    pub(crate) batches: Vec<Batch>,
     pub(crate) parts: Vec<Part>,
     wavelength_m: Vec<f32>,
     current: usize,
@@ -103,15 +112,33 @@ impl Live {
         let corners = gpu.buffer("corners", &arrays.corners, fixed)?;
         let vertex_of_draw = gpu.buffer("vertices of draw vertices", &arrays.vertex_of_draw, fixed)?;
         let uvs = gpu.buffer("texture coordinates", &arrays.uvs, fixed)?;
-        let gathered = gpu.buffer("faces", &vec![[0f32; FACE_FLOATS]; faces], moving | Use::VERTEX)?;
-        let counts = |count: usize, other: usize| -> Result<wgpu::Buffer> {
-            gpu.buffer("counts", &[Counts { count: count as u32, other: other as u32 }], Use::UNIFORM)
+        let counts = |count: usize, other: usize, first: usize| -> Result<wgpu::Buffer> {
+            let counts = Counts { count: count as u32, other: other as u32, first: first as u32, unused: 0 };
+            gpu.buffer("counts", &[counts], Use::UNIFORM)
         };
+        let most_faces = (gpu.most_bytes() / (4 * FACE_FLOATS as u64)) as usize;
+        let mut batches = Vec::new();
+        for first in (0..faces).step_by(most_faces) {
+            let range = [first, faces.min(first + most_faces)];
+            let faces = gpu.buffer("faces", &vec![[0f32; FACE_FLOATS]; range[1] - range[0]], moving | Use::VERTEX)?;
+            batches.push((Batch { faces, range }, counts(range[1] - range[0], unified, first)?));
+        }
         let round = gpu.buffer("round", &[Round { vertices: unified as u32, rate: 0.0 }], Use::UNIFORM | Use::COPY_DST)?;
-        let of_skin = counts(skinned, arrays.groups)?;
-        let of_crush = counts(unified, usize::from(!arrays.bias.is_empty()))?;
-        let of_gather = counts(faces, unified)?;
-        let stage = |name: &str, text: &str, count: usize, arguments: &[&[&wgpu::Buffer]]| Stage::new(gpu, name, text, count, arguments);
+        let of_skin = counts(skinned, arrays.groups, 0)?;
+        let of_crush = counts(unified, usize::from(!arrays.bias.is_empty()), 0)?;
+        let stage = |name: &str, text: &str, count: usize, arguments: &[&[&wgpu::Buffer]]| {
+            let variants: Vec<(usize, &[&wgpu::Buffer])> = arguments.iter().map(|a| (count, *a)).collect();
+            Stage::new(gpu, name, text, &variants)
+        };
+        // Each batch in two variants, one for each of the phase buffers.
+        let gathering: Vec<(usize, [&wgpu::Buffer; 8])> = batches
+            .iter()
+            .flat_map(|(batch, counts)| {
+                let of = |phase| [counts, &corners, &vertex_of_draw, &uvs, &posed, &wave, phase, &batch.faces];
+                phase.each_ref().map(|phase| (batch.range[1] - batch.range[0], of(phase)))
+            })
+            .collect();
+        let gathering: Vec<(usize, &[&wgpu::Buffer])> = gathering.iter().map(|(count, a)| (*count, &a[..])).collect();
         let wavelength_m = arrays.rest[..unified].iter().map(|r| r.wavelength_m).collect();
         let live = Self {
             skin: stage(
@@ -130,15 +157,7 @@ impl Live {
                     &[&round, &posed, &wave, &starts, &neighbours, &phase[1], &phase[0]],
                 ],
             ),
-            gather: stage(
-                "gather",
-                wgsl::GATHER,
-                faces,
-                &[
-                    &[&of_gather, &corners, &vertex_of_draw, &uvs, &posed, &wave, &phase[0], &gathered],
-                    &[&of_gather, &corners, &vertex_of_draw, &uvs, &posed, &wave, &phase[1], &gathered],
-                ],
-            ),
+            gather: Stage::new(gpu, "gather", wgsl::GATHER, &gathering),
             palette,
             morph_weights,
             round,
@@ -146,7 +165,7 @@ impl Live {
             direction,
             wave,
             phase,
-            faces: gathered,
+            batches: batches.into_iter().map(|(batch, _)| batch).collect(),
             parts: arrays.parts,
             wavelength_m,
             current: 0,
@@ -197,7 +216,7 @@ impl Live {
             self.relax.run(&mut encoder, &self.timer, 2, (0..options.rounds).map(|r| (first + r) % 2));
             self.current = (first + options.rounds) % 2;
         }
-        self.gather.run(&mut encoder, &self.timer, 3, [self.current]);
+        self.gather.run(&mut encoder, &self.timer, 3, (0..self.batches.len()).map(|b| 2 * b + self.current));
         gpu.queue.submit([encoder.finish()]);
         self.frame += 1;
         gpu.check()
@@ -242,8 +261,12 @@ impl Live {
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
     pub fn read_faces(&self, gpu: &Gpu) -> Result<Vec<[f32; FACE_FLOATS]>> {
-        let floats: Vec<f32> = gpu.read(&self.faces)?;
-        Ok(floats.chunks_exact(FACE_FLOATS).map(|c| c.try_into().expect("chunks have that length")).collect())
+        let mut faces = Vec::new();
+        for batch in &self.batches {
+            let floats: Vec<f32> = gpu.read(&batch.faces)?;
+            faces.extend(floats.chunks_exact(FACE_FLOATS).map(|c| -> [f32; FACE_FLOATS] { c.try_into().expect("of that length") }));
+        }
+        Ok(faces)
     }
 
     /// Milliseconds of the last frame's stages on the device; waits for them. `drawn`: whether a [`crate::Painter`] drew it, too.
@@ -258,7 +281,8 @@ impl Live {
 }
 
 impl Stage {
-    fn new(gpu: &Gpu, name: &str, text: &str, count: usize, arguments: &[&[&wgpu::Buffer]]) -> Self {
+    /// `variants`: how many threads and which buffers.
+    fn new(gpu: &Gpu, name: &str, text: &str, variants: &[(usize, &[&wgpu::Buffer])]) -> Self {
         let source = wgpu::ShaderSource::Wgsl(text.into());
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -270,7 +294,7 @@ impl Stage {
             cache: None,
         });
         let layout = pipeline.get_bind_group_layout(0);
-        let bound = |buffers: &&[&wgpu::Buffer]| {
+        let bound = |(_, buffers): &(usize, &[&wgpu::Buffer])| {
             let entries: Vec<wgpu::BindGroupEntry<'_>> = buffers
                 .iter()
                 .enumerate()
@@ -278,7 +302,8 @@ impl Stage {
                 .collect();
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(name), layout: &layout, entries: &entries })
         };
-        Self { arguments: arguments.iter().map(bound).collect(), pipeline, groups: (count as u32).div_ceil(GROUP) }
+        let groups = variants.iter().map(|(count, _)| (*count as u32).div_ceil(GROUP)).collect();
+        Self { arguments: variants.iter().map(bound).collect(), pipeline, groups }
     }
 
     /// One pass, timed as stage number `index`, with a dispatch for each of the `variants`.
@@ -288,7 +313,7 @@ impl Stage {
         pass.set_pipeline(&self.pipeline);
         for variant in variants {
             pass.set_bind_group(0, &self.arguments[variant], &[]);
-            pass.dispatch_workgroups(self.groups, 1, 1);
+            pass.dispatch_workgroups(self.groups[variant], 1, 1);
         }
     }
 }

@@ -150,10 +150,15 @@ impl Painter {
             multiview_mask: None,
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_vertex_buffer(0, live.faces.slice(..));
-        for (part, arguments) in live.parts.iter().zip(&self.arguments) {
-            pass.set_bind_group(0, arguments, &[]);
-            pass.draw(0..3, part.faces[0] as u32..part.faces[1] as u32);
+        for batch in &live.batches {
+            pass.set_vertex_buffer(0, batch.faces.slice(..));
+            for (part, arguments) in live.parts.iter().zip(&self.arguments) {
+                let [from, to] = part.faces.map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
+                if from < to {
+                    pass.set_bind_group(0, arguments, &[]);
+                    pass.draw(0..3, from..to);
+                }
+            }
         }
         drop(pass);
         gpu.queue.submit([encoder.finish()]);

@@ -290,6 +290,27 @@ fn characters_in_one_pass_are_what_each_is_alone() {
 }
 
 #[test]
+fn faces_beyond_one_buffer_are_gathered_in_batches() {
+    let Some(gpu) = gpu() else { return };
+    // 842,202 faces of 160 bytes: more than the 128 MB that software drivers take at once.
+    let subject = Subject::new(models::sheet(660, 640));
+    let characters = [subject.character()];
+    let mut live = Live::new(&gpu, &characters).unwrap();
+    let now = subject.pose(0.5);
+    live.begin(&gpu, &characters, &[&now], &LiveOptions { first_rounds: 1, ..options(&subject) }).unwrap();
+    let faces = live.read_faces(&gpu).unwrap();
+    assert_eq!(faces.len(), subject.model.faces.len());
+    let posed = skin(&subject.unified.vertices, &now);
+    for f in (0..faces.len()).step_by(997).chain([838_859, 838_860, 838_861, faces.len() - 1]) {
+        for c in 0..3 {
+            let position = Vec3::from_column_slice(&faces[f][4 * c..4 * c + 3]);
+            let twin = posed.positions[subject.unified.faces[f][c] as usize];
+            assert!((position - twin).norm() < POSITION * subject.size(), "face {f}: {position} instead of {twin}");
+        }
+    }
+}
+
+#[test]
 fn stages_are_timed() {
     let Some(gpu) = gpu() else { return };
     let subject = Subject::new(models::sleeve());

@@ -15,6 +15,7 @@ struct Counts {
     vertices: u32,
     // 1 if there are as many biases as vertices, else 0.
     biased: u32,
+    unused: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> counts: Counts;

@@ -20,6 +20,9 @@ struct Counts {
     faces: u32,
     // Where the draw vertices begin in `posed`.
     first_draw: u32,
+    // The first face of this batch.
+    first_face: u32,
+    unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> counts: Counts;
@@ -40,7 +43,7 @@ fn gather(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     for (var c = 0u; c < 3u; c++) {
-        let draw = corners[3u * f + c];
+        let draw = corners[3u * (counts.first_face + f) + c];
         let v = vertex_of_draw[draw];
         // Skin leaves the wavelength beside the position; the largest amplitude is a quarter of it.
         let amplitude_m = 0.25 * posed[v].position.w * wave[v].w;

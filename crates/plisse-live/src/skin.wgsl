@@ -18,6 +18,7 @@ struct Counts {
     vertices: u32,
     // Groups of four joints each vertex has: 1 or 2.
     groups: u32,
+    unused: vec2u,
 }
 
 @group(0) @binding(0) var<uniform> counts: Counts;
