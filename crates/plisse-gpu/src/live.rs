@@ -77,7 +77,7 @@ pub struct Live {
     current: usize,
     frame: usize,
     ran: [bool; 5],
-    pub(crate) timer: Option<Timer>,
+    pub(crate) timer: Timer,
 }
 
 impl Live {
@@ -208,16 +208,16 @@ impl Live {
         gpu.write(&self.round, &[Round { vertices: self.wavelength_m.len() as u32, rate: options.rate }]);
         let whole = self.frame.is_multiple_of(options.every.max(1));
         self.ran = [true, whole, whole && options.rounds > 0, true, false];
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        self.skin.run(&mut encoder, &self.timer, 0, [0]);
+        self.skin.run(gpu, &mut self.timer, 0, [0])?;
         if whole {
-            self.crush.run(&mut encoder, &self.timer, 1, [0]);
+            self.crush.run(gpu, &mut self.timer, 1, [0])?;
             let first = self.current;
-            self.relax.run(&mut encoder, &self.timer, 2, (0..options.rounds).map(|r| (first + r) % 2));
+            if options.rounds > 0 {
+                self.relax.run(gpu, &mut self.timer, 2, (0..options.rounds).map(|r| (first + r) % 2))?;
+            }
             self.current = (first + options.rounds) % 2;
         }
-        self.gather.run(&mut encoder, &self.timer, 3, (0..self.batches.len()).map(|b| 2 * b + self.current));
-        gpu.queue.submit([encoder.finish()]);
+        self.gather.run(gpu, &mut self.timer, 3, (0..self.batches.len()).map(|b| 2 * b + self.current))?;
         self.frame += 1;
         gpu.check()
     }
@@ -276,7 +276,7 @@ impl Live {
     pub fn times_ms(&self, gpu: &Gpu, drawn: bool) -> Result<StageTimes> {
         let mut ran = self.ran;
         ran[4] = drawn;
-        self.timer.as_ref().map_or(Ok([None; 5]), |timer| timer.times(gpu, ran))
+        self.timer.times(gpu, ran)
     }
 }
 
@@ -307,13 +307,16 @@ impl Stage {
     }
 
     /// One pass, timed as stage number `index`, with a dispatch for each of the `variants`.
-    fn run(&self, encoder: &mut wgpu::CommandEncoder, timer: &Option<Timer>, index: usize, variants: impl IntoIterator<Item = usize>) {
-        let timestamp_writes = timer.as_ref().map(|t| t.compute(index));
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes });
+    fn run(&self, gpu: &Gpu, timer: &mut Timer, index: usize, variants: impl IntoIterator<Item = usize>) -> Result<()> {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let descriptor = wgpu::ComputePassDescriptor { label: None, timestamp_writes: timer.compute(index) };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
         pass.set_pipeline(&self.pipeline);
         for variant in variants {
             pass.set_bind_group(0, &self.arguments[variant], &[]);
             pass.dispatch_workgroups(self.groups[variant], 1, 1);
         }
+        drop(pass);
+        timer.submit(gpu, index, encoder)
     }
 }

@@ -123,11 +123,11 @@ impl Painter {
         Ok(Self { size, samples, pipeline, scene, arguments, colour, depth, readable, row_bytes })
     }
 
-    /// Draws the last frame of `live`, whose characters are those the painter was made for, without waiting for it.
+    /// Draws the last frame of `live`, whose characters are those the painter was made for, without waiting for it (but see [`crate::StageTimes`]).
     ///
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
-    pub fn draw(&self, gpu: &Gpu, live: &Live, camera: &Camera, look: &Look<'_>) -> Result<()> {
+    pub fn draw(&self, gpu: &Gpu, live: &mut Live, camera: &Camera, look: &Look<'_>) -> Result<()> {
         gpu.write(&self.scene, &[Scene::new(camera, look)]);
         let [r, g, b] = BACKGROUND.map(|c| f64::from(from_srgb(c)));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -145,7 +145,7 @@ impl Painter {
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
-            timestamp_writes: live.timer.as_ref().map(|t| t.render(4)),
+            timestamp_writes: live.timer.render(4),
             occlusion_query_set: None,
             multiview_mask: None,
         });
@@ -161,7 +161,7 @@ impl Painter {
             }
         }
         drop(pass);
-        gpu.queue.submit([encoder.finish()]);
+        live.timer.submit(gpu, 4, encoder)?;
         gpu.check()
     }
 

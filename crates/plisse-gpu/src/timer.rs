@@ -1,4 +1,7 @@
-//! Milliseconds of each stage, by timestamps on the device.
+//! Milliseconds of each stage: by timestamps on the device, or, with a driver that stands in for one, by the clock around each stage
+//! (such drivers stamp passes when they queue them, not when they run).
+
+use std::time::Instant;
 
 use plisse::Result;
 
@@ -13,15 +16,68 @@ pub type StageTimes = [Option<f64>; 5];
 /// Bytes between resolved stages, as wgpu asks for.
 const SLOT: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 
-pub(crate) struct Timer {
+pub(crate) enum Timer {
+    Stamps(Stamps),
+    /// Milliseconds of the last frame.
+    Clock([f64; 5]),
+    /// The adapter cannot tell.
+    None,
+}
+
+/// Timestamps on the device.
+pub(crate) struct Stamps {
     queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     readable: wgpu::Buffer,
 }
 
 impl Timer {
-    /// `None` where the adapter cannot tell times.
-    pub(crate) fn new(gpu: &Gpu) -> Option<Self> {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        if gpu.is_software() { Self::Clock([0.0; 5]) } else { Stamps::new(gpu).map_or(Self::None, Self::Stamps) }
+    }
+
+    pub(crate) fn compute(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let Self::Stamps(stamps) = self else { return None };
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: &stamps.queries,
+            beginning_of_pass_write_index: Some(2 * stage as u32),
+            end_of_pass_write_index: Some(2 * stage as u32 + 1),
+        })
+    }
+
+    pub(crate) fn render(&self, stage: usize) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let Self::Stamps(stamps) = self else { return None };
+        Some(wgpu::RenderPassTimestampWrites {
+            query_set: &stamps.queries,
+            beginning_of_pass_write_index: Some(2 * stage as u32),
+            end_of_pass_write_index: Some(2 * stage as u32 + 1),
+        })
+    }
+
+    /// Submits what was encoded for `stage`; waits for it where the clock is what tells.
+    pub(crate) fn submit(&mut self, gpu: &Gpu, stage: usize, encoder: wgpu::CommandEncoder) -> Result<()> {
+        let begun = Instant::now();
+        gpu.queue.submit([encoder.finish()]);
+        if let Self::Clock(ms) = self {
+            gpu.wait()?;
+            ms[stage] = begun.elapsed().as_secs_f64() * 1e3;
+        }
+        Ok(())
+    }
+
+    /// What the stages in `ran` took. Waits for them.
+    pub(crate) fn times(&self, gpu: &Gpu, ran: [bool; 5]) -> Result<StageTimes> {
+        match self {
+            Self::Stamps(stamps) => stamps.times(gpu, ran),
+            Self::Clock(ms) => Ok(std::array::from_fn(|s| ran[s].then_some(ms[s]))),
+            Self::None => Ok([None; 5]),
+        }
+    }
+}
+
+impl Stamps {
+    /// `None` where the adapter has none.
+    fn new(gpu: &Gpu) -> Option<Self> {
         let count = 2 * STAGES.len() as u32;
         let buffer = |usage| {
             let size = SLOT * STAGES.len() as u64;
@@ -34,24 +90,7 @@ impl Timer {
         })
     }
 
-    pub(crate) fn compute(&self, stage: usize) -> wgpu::ComputePassTimestampWrites<'_> {
-        wgpu::ComputePassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: Some(2 * stage as u32),
-            end_of_pass_write_index: Some(2 * stage as u32 + 1),
-        }
-    }
-
-    pub(crate) fn render(&self, stage: usize) -> wgpu::RenderPassTimestampWrites<'_> {
-        wgpu::RenderPassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: Some(2 * stage as u32),
-            end_of_pass_write_index: Some(2 * stage as u32 + 1),
-        }
-    }
-
-    /// What the stages in `ran` took. Waits for them.
-    pub(crate) fn times(&self, gpu: &Gpu, ran: [bool; 5]) -> Result<StageTimes> {
+    fn times(&self, gpu: &Gpu, ran: [bool; 5]) -> Result<StageTimes> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         // Only what was written: others would be waited for, forever.
         for stage in (0..STAGES.len()).filter(|&s| ran[s]) {

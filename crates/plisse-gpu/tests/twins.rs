@@ -242,7 +242,7 @@ fn render_is_its_twin() {
         let painter = Painter::new(&gpu, size, SAMPLES, &[&texture]).unwrap();
         for (profile, parallax) in [(Profile::sine(), true), (Profile::accordion(), false)] {
             let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax };
-            painter.draw(&gpu, &live, &camera, &look).unwrap();
+            painter.draw(&gpu, &mut live, &camera, &look).unwrap();
             let picture = painter.read(&gpu).unwrap();
             let twin = draw(&faces, &look, &camera, size);
             if let Some(folder) = std::env::var_os("PLISSE_KEEP_PICTURES") {

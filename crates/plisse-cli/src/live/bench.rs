@@ -148,19 +148,19 @@ fn measure(case: &Case, gpu: Option<&Gpu>) -> Result<Row> {
         let profile = Profile::sine();
         let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: true };
         let mut camera = Camera::fit(unified.vertices.positions.iter(), 0.0, 0.0, SIZE[0] as f32 / SIZE[1] as f32);
-        for _ in 0..3 {
-            painter.draw(gpu, &live, &camera, &look)?;
+        live.step(gpu, &[&poses[frames / 2]], &options)?;
+        for _ in 0..4 {
+            painter.draw(gpu, &mut live, &camera, &look)?;
             row.pixels = painter.read(gpu)?.covered;
             camera = camera.nearer((case.pixels / row.pixels.max(1) as f32).sqrt());
         }
         for now in &poses {
             live.step(gpu, &[now], &options)?;
-            painter.draw(gpu, &live, &camera, &look)?;
+            painter.draw(gpu, &mut live, &camera, &look)?;
             for (list, time) in lists.iter_mut().zip(live.times_ms(gpu, true)?) {
                 list.extend(time);
             }
         }
-        row.pixels = painter.read(gpu)?.covered;
         row.gpu_ms = std::array::from_fn(|s| median(&mut lists[s]));
     }
     let mut lists: [Vec<f64>; 5] = Default::default();

@@ -92,7 +92,7 @@ impl Machine {
     pub(super) fn draw(&mut self, animated: &Animated, pose: &Pose, camera: &Camera, look: &Look<'_>) -> Result<Picture> {
         match self {
             Self::Gpu(device) => {
-                device.painter.draw(&device.gpu, &device.live, camera, look)?;
+                device.painter.draw(&device.gpu, &mut device.live, camera, look)?;
                 device.painter.read(&device.gpu)
             }
             Self::Processor { state, times, size } => {
