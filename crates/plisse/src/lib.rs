@@ -44,6 +44,7 @@
 
 pub mod error;
 pub mod field;
+pub mod growth;
 pub mod io;
 pub mod linalg;
 pub mod material;
