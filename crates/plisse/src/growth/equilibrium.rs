@@ -25,14 +25,18 @@ use crate::rest::RestMetric;
 use crate::shell::{Clamps, Loads, Setup};
 use crate::{Error, Result};
 
-/// Fewest mean edges that must fit into a wavelength.
-const LEAST_EDGES: f64 = 4.0;
+/// Fewest edges that must fit into a wavelength.
+const LEAST_EDGES: f64 = 3.5;
 /// Growth (logarithm) at which imperfections have their full size.
 const FULL_IMPERFECTION: f64 = 0.02;
 /// Size of the imperfections' lumps, in wavelengths.
 const LUMP: f64 = 0.5;
-/// Factor between the first levels of growth, and the largest step (logarithm of the factor of length).
+/// Factor between the first levels of growth.
 const LEVELS: f64 = 1.35;
+/// How much more force than at the end may be left after a step that others follow, and how many iterations it may take.
+const PASSING: (f64, usize) = (10.0, 60);
+/// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of folds is chosen.
+const CHOOSING: f64 = 3.0;
 
 /// A surface that is to grow, and what it has to put up with.
 #[derive(Clone, Debug)]
@@ -114,6 +118,23 @@ impl<'a> Growing<'a> {
         lengths / self.topology.edge_count() as f64
     }
 
+    /// Longest extent (m) of a side of face `f` across the folds that it will have; 0 where nothing grows.
+    fn side_across_folds_m(&self, f: usize) -> f64 {
+        let face = self.topology.faces[f];
+        let across = |v: usize, side: &Vec3| {
+            let ([most, least], [along, _]) = self.expansion.vertices[v].principal();
+            if most <= 1.0 + 1e-9 {
+                return 0.0;
+            }
+            // Where it grows all ways alike, folds may run any way.
+            let even = (least.ln() / most.ln()).clamp(0.0, 1.0);
+            let part = side.dot(&along).powi(2);
+            (part + even * (side.norm_squared() - part)).sqrt()
+        };
+        let side = |k: usize| self.start[face[(k + 1) % 3]] - self.start[face[k]];
+        (0..9).map(|n| across(face[n / 3], &side(n % 3))).fold(0.0, f64::max)
+    }
+
     /// # Errors
     /// [`Error::Value`] naming the map and the vertex whose value cannot be used.
     fn check(&self) -> Result<()> {
@@ -133,12 +154,11 @@ impl<'a> Growing<'a> {
             return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
         }
         for (f, face) in self.topology.faces.iter().enumerate() {
-            let grows = face.iter().any(|&v| self.expansion.vertices[v].principal().0[0] > 1.0 + 1e-9);
-            let edge = (0..3).map(|k| (self.start[face[(k + 1) % 3]] - self.start[face[k]]).norm()).sum::<f64>() / 3.0;
+            let side_m = self.side_across_folds_m(f);
             let wavelength = face.iter().map(|&v| self.wavelength_m[v]).sum::<f64>() / 3.0;
-            if grows && wavelength < LEAST_EDGES * edge {
+            if wavelength < LEAST_EDGES * side_m {
                 let message = format!(
-                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less, but those of face {f} are {edge:.3e} m long; refine the mesh or ask for wider folds",
+                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
                     wavelength / LEAST_EDGES
                 );
                 return Err(Error::value("growth.wavelength_m", message));
@@ -266,11 +286,13 @@ pub fn grow_through(
     let mut pose = pose.to_vec();
     let mut plastic = vec![1.0; growing.topology.edge_count()];
     let mut steps = Vec::new();
-    for &part in parts {
+    let choosing = CHOOSING * options.onset() / growing.most_growth().max(f64::MIN_POSITIVE);
+    let exactly = |n: usize, part: f64| n + 1 == parts.len() || part <= choosing;
+    for (n, &part) in parts.iter().enumerate() {
         let expansion = growing.expansion.part(part);
         let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
-        let report = film.settle(part, &expansion, &grown, &mut pose, observer)?;
+        let report = film.settle(part, exactly(n, part), &expansion, &grown, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
         steps.push(report);
         if options.plasticity > 0.0 {
@@ -361,6 +383,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
     fn settle(
         &self,
         part: f64,
+        exactly: bool,
         expansion: &Expansion,
         grown: &RestMetric,
         pose: &mut [Vec3],
@@ -400,11 +423,12 @@ impl<'a, 'b> Prepared<'a, 'b> {
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
         let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?;
+        let (loose, most_iterations) = if exactly { (1.0, options.iteration_limit) } else { PASSING };
         let force = options.onset() * self.mean_edge_m / film.length_m();
         let newton = Options {
             stage: "grow",
-            iteration_limit: options.iteration_limit,
-            tolerance: options.tolerance * force,
+            iteration_limit: options.iteration_limit.min(most_iterations),
+            tolerance: loose * options.tolerance * force,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
             energy_unit_joule: film.unit_joule(),

@@ -5,7 +5,7 @@
 //! along the direction of growth, the second along the crests. A flat sheet is its own chart. So folds are counted by the spacing
 //! that is seen on the starting surface, however far the grown surface is folded.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use super::expansion::vertex_normals;
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
@@ -262,6 +262,8 @@ pub fn reached(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    use std::f64::consts::PI;
 
     const CREST: f64 = 10.0 * PI / 180.0;
 
