@@ -141,7 +141,7 @@ fn a_mesh_twice_as_fine_has_as_many_folds() {
 #[test]
 fn crests_run_straight_as_far_as_asked() {
     let length = |coherence: f64| {
-        let square = Square::new(lattice(48, 40), 1.06, 8.0, coherence);
+        let square = Square::new(lattice(36, 24), 1.05, 6.0, coherence);
         let folded = square.fold(&GrowthOptions { imperfection: 0.05, ..GrowthOptions::default() });
         folded.relief.correlation_m().unwrap()
     };

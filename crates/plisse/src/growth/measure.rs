@@ -112,20 +112,21 @@ impl Relief {
         // Hann's window, so that folds cut at the rim do not smear.
         let window: Vec<f64> = (0..m).map(|i| 0.5 - 0.5 * (TAU * i as f64 / (m - 1) as f64).cos()).collect();
         let weight: f64 = window.iter().sum();
-        let mut power = vec![0.0; count];
-        for j in 0..n {
-            let mean = (0..m).map(|i| window[i] * self.at(i, j)).sum::<f64>() / weight;
-            let row: Vec<f64> = (0..m).map(|i| window[i] * (self.at(i, j) - mean)).collect();
-            for (power, wave) in power.iter_mut().zip(&waves) {
-                let (mut re, mut im) = (0.0, 0.0);
-                for (i, w) in row.iter().enumerate() {
-                    let (s, c) = (TAU * wave * self.spacing_m[0] * i as f64).sin_cos();
-                    re += w * c;
-                    im += w * s;
-                }
-                *power += re * re + im * im;
-            }
-        }
+        let rows: Vec<Vec<f64>> = (0..n)
+            .map(|j| {
+                let mean = (0..m).map(|i| window[i] * self.at(i, j)).sum::<f64>() / weight;
+                (0..m).map(|i| window[i] * (self.at(i, j) - mean)).collect()
+            })
+            .collect();
+        let power_of = |wave: &f64| {
+            let turns: Vec<(f64, f64)> = (0..m).map(|i| (TAU * wave * self.spacing_m[0] * i as f64).sin_cos()).collect();
+            let row_power = |row: &Vec<f64>| {
+                let part = |of: fn(&(f64, f64)) -> f64| row.iter().zip(&turns).map(|(w, turn)| w * of(turn)).sum::<f64>();
+                part(|turn| turn.0).powi(2) + part(|turn| turn.1).powi(2)
+            };
+            rows.iter().map(row_power).sum()
+        };
+        let power = waves.iter().map(power_of).collect();
         (waves, power)
     }
 

@@ -291,7 +291,8 @@ impl<'a, 'b> Forces<'a, 'b> {
             let steep = self.options.sharpness * self.wavelength_m / TAU * (smoothed[v] - self.start_curvature[v][1]);
             let folding = push_k * (steep.tanh() + self.push[v]) * compression;
             let bending = -smooth * (curvature[v] - self.start_curvature[v][0]);
-            stretch[v] -= normals[v] * normals[v].dot(&stretch[v]);
+            let lift = normals[v].dot(&stretch[v]);
+            stretch[v] -= normals[v] * lift;
             let frozen = self.growing.frozen[v];
             offset[v] = if frozen == [true; 3] { 0.0 } else { (folding + bending) * self.area_m2[v] };
             for axis in 0..3 {
