@@ -64,9 +64,9 @@ impl Default for ReferenceOptions {
             sharpness: 3.0,
             imperfection: 0.05,
             seed: 1,
-            time_step: 0.05,
+            time_step: 0.02,
             levels: 6,
-            iteration_limit: 400,
+            iteration_limit: 1000,
             tolerance: 1e-3,
         }
     }
@@ -144,7 +144,7 @@ struct Forces<'a, 'b> {
     wavelength_m: f64,
     membranes: Vec<Membrane>,
     grown: RestMetric,
-    /// `[V][…]` (Δx)_v as coefficients (1/m²) of positions.
+    /// `[V][…]` (−Δx)_v as coefficients (1/m²) of positions.
     laplacian: Vec<Vec<(usize, f64)>>,
     /// `[F]` smoothing kernel as a form on the corners, times area: the sum over faces is −area·L.
     kernel: Vec<[[f64; 3]; 3]>,
@@ -172,7 +172,7 @@ impl<'a, 'b> Forces<'a, 'b> {
                 cell_m2[v] += grown.faces[f].area_m2 / 3.0;
             }
         }
-        // The rows of quadratic bending are √(D/2/cell) times the integral of the Laplacian.
+        // The rows of quadratic bending are −√(D/2/cell) times the integral of the Laplacian.
         let stiffness = material.thickness_m.powi(3) / 12.0 * (material.alpha() / 2.0 + material.beta());
         let mut laplacian = QuadraticBending::new(topology, grown, &material).rows;
         for (row, cell) in laplacian.iter_mut().zip(&cell_m2) {
@@ -205,7 +205,8 @@ impl<'a, 'b> Forces<'a, 'b> {
         let mut values = vec![0.0; pattern.entry_count()];
         let smooth = options.smoothness * push_k * wavelength_m / TAU;
         // The steepest that the sigmoid can answer to κ*, at a compression of a third.
-        let answer = push_k / 3.0 * options.sharpness * (wavelength_m / TAU).powi(3);
+        let reach = growing.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
+        let answer = push_k / 3.0 * options.sharpness * wavelength_m / TAU * reach * reach;
         for (v, row) in laplacian.iter().enumerate() {
             for (n, &(i, a)) in row.iter().enumerate() {
                 for &(j, b) in &row[..=n] {
@@ -250,7 +251,7 @@ impl<'a, 'b> Forces<'a, 'b> {
 
     /// `[V]` κ = −N·Δx (1/m).
     fn curvature(&self, pose: &[Vec3], normals: &[Vec3]) -> Vec<f64> {
-        self.laplacian.iter().zip(normals).map(|(row, n)| -n.dot(&row.iter().map(|&(v, c)| pose[v] * c).sum::<Vec3>())).collect()
+        self.laplacian.iter().zip(normals).map(|(row, n)| n.dot(&row.iter().map(|&(v, c)| pose[v] * c).sum::<Vec3>())).collect()
     }
 
     /// `[V]` κ* = κ + L(κ) (1/m).
@@ -287,7 +288,8 @@ impl<'a, 'b> Forces<'a, 'b> {
         let smooth = self.options.smoothness * push_k * self.wavelength_m / TAU;
         let (mut worst, mut offset) = (0.0_f64, vec![0.0; n]);
         for v in 0..n {
-            let compression = (asked[v] - there[v]) / asked[v];
+            // Where it is pulled nothing folds; the paper's sign would make short waves grow there.
+            let compression = ((asked[v] - there[v]) / asked[v]).max(0.0);
             let steep = self.options.sharpness * self.wavelength_m / TAU * (smoothed[v] - self.start_curvature[v][1]);
             let folding = push_k * (steep.tanh() + self.push[v]) * compression;
             let bending = -smooth * (curvature[v] - self.start_curvature[v][0]);
@@ -353,4 +355,60 @@ fn kernel(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> [[f64; 3]; 3
     }
     let g = surface.faces[f].barycentric_gradients();
     std::array::from_fn(|k| std::array::from_fn(|l| surface.faces[f].area_m2 * g[k].dot(&(form * g[l]))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::expansion::Expansion;
+    use super::*;
+    use crate::mesh::grid::{Diagonal, grid};
+    use crate::progress::Silent;
+
+    fn square(columns: usize, rows: usize) -> (Topology, RestMetric, Vec<Vec3>) {
+        let panel = grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
+        let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        let topology = Topology::new("square", start.len(), panel.faces).unwrap();
+        let rest = RestMetric::from_shape("square", &start, &topology.faces).unwrap();
+        (topology, rest, start)
+    }
+
+    fn growing<'a>((topology, rest, start): &'a (Topology, RestMetric, Vec<Vec3>), growth: f64) -> Growing<'a> {
+        let n = start.len();
+        let expansion = Expansion::from_directions(topology, start, &vec![Vec3::x(); n], &vec![growth; n]).unwrap();
+        let mut growing = Growing::new(topology, rest, start, expansion, 0.25, 0.25);
+        let boundary = topology.boundary_vertices();
+        growing.freeze(|v, _| boundary[v]);
+        growing
+    }
+
+    #[test]
+    fn curvature_is_positive_on_bumps_and_waves_of_the_asked_length_are_at_rest() {
+        let square = square(80, 8);
+        let growing = growing(&square, 1.0);
+        let forces = Forces::new(&growing, &ReferenceOptions::default(), &square.1, 0.25).unwrap();
+        let wave = |waves: f64, p: &Vec3| 1e-4 * (TAU * waves * p.x).sin();
+        let middle = square.2.iter().enumerate().filter(|(_, p)| (p - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.3);
+        let middle: Vec<usize> = middle.map(|(v, _)| v).collect();
+        for (waves, sign) in [(2.0, 1.0), (4.0, 0.0), (8.0, -1.0)] {
+            let pose: Vec<Vec3> = square.2.iter().map(|p| p + Vec3::z() * wave(waves, p)).collect();
+            let curvature = forces.curvature(&pose, &vec![Vec3::z(); pose.len()]);
+            let smoothed = forces.smoothed(&curvature);
+            for &v in &middle {
+                let (exact, share) = ((TAU * waves).powi(2) * wave(waves, &square.2[v]), 1.0 - (waves / 4.0_f64).powi(2));
+                let size = 1e-4 * (TAU * waves).powi(2);
+                assert!((curvature[v] - exact).abs() < 0.03 * size, "{waves}: {} {exact}", curvature[v]);
+                assert!((smoothed[v] - share * exact).abs() < 0.1 * size * share.abs().max(1.0), "{waves} {sign}");
+            }
+        }
+    }
+
+    #[test]
+    fn it_folds_and_growing_by_one_moves_nothing() {
+        let square = square(32, 8);
+        let options = ReferenceOptions { levels: 2, ..ReferenceOptions::default() };
+        let (flat, report) = grow_by_forces(&growing(&square, 1.0), &options, &Silent).unwrap();
+        assert!(report.converged && flat.iter().zip(&square.2).all(|(p, q)| (p - q).norm() < 1e-12));
+        let (folded, _) = grow_by_forces(&growing(&square, 1.1), &options, &Silent).unwrap();
+        assert!(folded.iter().any(|p| p.z.abs() > 0.01));
+    }
 }
