@@ -81,11 +81,13 @@ fn main() -> Outcome<()> {
             }
         }
         Some("coherence") => {
-            println!("Λ/λ | {heading}");
-            let square = Square::new(60, 60)?;
-            for coherence in [0.0, 1.0, 2.0, 4.0, 8.0] {
-                let options = GrowthOptions { imperfection: 0.05, ..options.clone() };
-                println!("{coherence} | {}", fold(&square, 1.2, 10.0, coherence, &options)?.0);
+            println!("imperfection | Λ/λ | {heading}");
+            let square = Square::new(48, 36)?;
+            for imperfection in [0.05, 0.2] {
+                for coherence in [0.0, 1.0, 2.0, 4.0] {
+                    let options = GrowthOptions { imperfection, ..options.clone() };
+                    println!("{imperfection} | {coherence} | {}", fold(&square, 1.2, 8.0, coherence, &options)?.0);
+                }
             }
         }
         Some("modes") => {

@@ -7,10 +7,12 @@ mod sheets;
 
 use plisse::growth::equilibrium::grow_through;
 use plisse::growth::measure::{Reached, Relief, Window, offsets_m, reached};
-use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, grow};
+use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, Procedure, grow};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::{Vec2, Vec3};
+use plisse::obstacle::Obstacle;
 use plisse::progress::Silent;
+use plisse::shell::Loads;
 
 use sheets::Sheet;
 
@@ -179,7 +181,7 @@ fn rigid_motion_and_renumbering_do_not_matter() {
     let options = GrowthOptions { tolerance: 1e-6, ..GrowthOptions::default() };
     let pose = square.fold(&options).pose;
     // Another place, and vertices and faces in another order; imperfections stay where they are on the sheet.
-    let turn = nalgebra_rotation();
+    let turn = slanted_turn();
     let shift = Vec3::new(3.0, -2.0, 1.0);
     let n = pose.len();
     let to = |v: usize| (7 * v + 3) % n;
@@ -203,7 +205,7 @@ fn rigid_motion_and_renumbering_do_not_matter() {
 }
 
 /// A turn about a slanted axis.
-fn nalgebra_rotation() -> impl Fn(Vec3) -> Vec3 {
+fn slanted_turn() -> impl Fn(Vec3) -> Vec3 {
     let axis = Vec3::new(1.0, 2.0, 2.0) / 3.0;
     let (s, c) = 0.9_f64.sin_cos();
     move |p| p * c + axis.cross(&p) * s + axis * (axis.dot(&p) * (1.0 - c))
@@ -233,4 +235,84 @@ fn what_sticks_folds_out_only() {
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let (low, high) = pose.iter().fold((0.0_f64, 0.0_f64), |(l, h), p| (l.min(p.z), h.max(p.z)));
     assert!(high > 0.1 * square.wavelength_m && -low < 0.1 * high, "{low} {high}");
+}
+
+/// A square with three folds asked, small enough to be folded in a second.
+fn small() -> Square {
+    Square::new(lattice(21, 10), 1.2, 3.0, 2.0)
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let square = small();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| square.fold(&GrowthOptions::default()).pose)
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn the_seed_chooses_the_folds_and_the_bias_their_side() {
+    let square = Square::new(lattice(21, 10), 1.1, 3.0, 2.0);
+    let of = |seed: u64| square.fold(&GrowthOptions { seed, ..GrowthOptions::default() }).pose;
+    assert_eq!(of(1), of(1));
+    assert_ne!(of(1), of(2));
+    let middle = |bias: f64| {
+        let mut growing = square.growing();
+        growing.bias.fill(bias);
+        let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
+        pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64
+    };
+    assert!(middle(0.1) > 0.01 * square.wavelength_m && middle(-0.1) < -0.01 * square.wavelength_m);
+}
+
+#[test]
+fn obstacles_and_frozen_axes_are_kept_and_weight_pulls() {
+    let square = small();
+    let free = square.fold(&GrowthOptions::default()).pose;
+    let top = |pose: &[Vec3]| pose.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    let middle = |pose: &[Vec3]| pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64;
+    let ceiling = [Obstacle::plane("ceiling", Vec3::new(0.0, 0.0, 0.5 * top(&free)), -Vec3::z()).unwrap()];
+    let mut growing = square.growing();
+    growing.obstacles = &ceiling;
+    growing.contact_thickness_m = 0.2 * top(&free);
+    let level: Vec<usize> = (0..free.len()).filter(|&v| (square.sheet.pose[v].x - 0.5).abs() < 0.03).collect();
+    assert!(level.iter().any(|&v| free[v].z.abs() > 1e-3));
+    for &v in &level {
+        growing.frozen[v][2] = true;
+    }
+    let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
+    assert!(top(&pose) < 0.5 * top(&free) && top(&pose) > 0.1 * top(&free), "{} {}", top(&pose), top(&free));
+    assert!(level.iter().all(|&v| pose[v].z == 0.0));
+    // Young's modulus is 1e5 Pa: a few pascals weigh.
+    let mut growing = square.growing();
+    growing.loads = Loads { density_kg_m3: 500.0, gravity_m_s2: Vec3::new(0.0, 0.0, -9.81), ..Loads::default() };
+    let (heavy, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
+    assert!(middle(&heavy) < middle(&free) - 0.01 * square.wavelength_m, "{} {}", middle(&heavy), middle(&free));
+}
+
+#[test]
+fn plasticity_forgets_stress() {
+    let square = small();
+    let energy = |plasticity: f64| {
+        let folded = square.fold(&GrowthOptions { plasticity, ..GrowthOptions::default() });
+        folded.report.steps.last().unwrap().energy_joule
+    };
+    assert!(energy(0.5) < 0.9 * energy(0.0), "{} {}", energy(0.5), energy(0.0));
+}
+
+#[test]
+fn folds_stay_where_a_narrow_band_grows() {
+    let square = small();
+    let n = square.sheet.pose.len();
+    let band = Procedure::Band { centre: Vec3::new(0.5, 0.5, 0.0), normal: Vec3::x(), width_m: 0.5, soft_m: 0.05 };
+    let factors = band.map(&square.sheet.pose, 1.0, 1.3);
+    let expansion = Expansion::from_directions(&square.sheet.topology, &square.sheet.pose, &vec![Vec3::x(); n], &factors).unwrap();
+    let growing = Growing { expansion, ..square.growing() };
+    let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
+    let off = |v: usize| (square.sheet.pose[v].x - 0.5).abs();
+    let high = |chosen: &dyn Fn(f64) -> bool| (0..n).filter(|&v| chosen(off(v))).map(|v| pose[v].z.abs()).fold(0.0, f64::max);
+    let (inside, outside) = (high(&|off| off < 0.2), high(&|off| off > 0.42));
+    assert!(inside > 3.0 * outside, "{inside} {outside}");
 }
