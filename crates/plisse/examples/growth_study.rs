@@ -82,11 +82,11 @@ fn main() -> Outcome<()> {
         }
         Some("coherence") => {
             println!("imperfection | Λ/λ | {heading}");
-            let square = Square::new(48, 36)?;
-            for imperfection in [0.05, 0.2] {
+            let square = Square::new(40, 30)?;
+            for imperfection in [0.2, 0.05] {
                 for coherence in [0.0, 1.0, 2.0, 4.0] {
                     let options = GrowthOptions { imperfection, ..options.clone() };
-                    println!("{imperfection} | {coherence} | {}", fold(&square, 1.2, 8.0, coherence, &options)?.0);
+                    println!("{imperfection} | {coherence} | {}", fold(&square, 1.1, 8.0, coherence, &options)?.0);
                 }
             }
         }
