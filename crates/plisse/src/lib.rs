@@ -45,6 +45,7 @@
 pub mod bake;
 pub mod error;
 pub mod field;
+pub mod growth;
 pub mod io;
 pub mod linalg;
 pub mod material;

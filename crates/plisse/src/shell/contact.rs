@@ -18,7 +18,7 @@ const MOST_ADVANCES: usize = 64;
 
 /// The contact energy of all vertices.
 #[derive(Clone, Debug)]
-pub(super) struct Barrier<'a> {
+pub(crate) struct Barrier<'a> {
     obstacles: &'a [Obstacle],
     thickness_m: f64,
     /// `[V]` pressure times rest area (N).
@@ -26,15 +26,15 @@ pub(super) struct Barrier<'a> {
 }
 
 /// Energy (J), gradient (N) and Hessian (N/m) of one vertex.
-pub(super) struct Push {
-    pub(super) energy: f64,
-    pub(super) gradient: Vec3,
-    pub(super) hessian: Mat3,
+pub(crate) struct Push {
+    pub(crate) energy: f64,
+    pub(crate) gradient: Vec3,
+    pub(crate) hessian: Mat3,
 }
 
 impl<'a> Barrier<'a> {
     /// The contact of a sheet; `None` if there are no obstacles.
-    pub(super) fn new(setup: &Setup<'a>) -> Option<Self> {
+    pub(crate) fn new(setup: &Setup<'a>) -> Option<Self> {
         if setup.obstacles.is_empty() {
             return None;
         }
@@ -47,14 +47,14 @@ impl<'a> Barrier<'a> {
     }
 
     /// Energy (J) of vertex `v` at `p` (m); infinite inside an obstacle.
-    pub(super) fn energy(&self, v: usize, p: &Vec3) -> f64 {
+    pub(crate) fn energy(&self, v: usize, p: &Vec3) -> f64 {
         let near = self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m));
         near.map(|near| self.strength[v] * self.thickness_m * barrier(near.distance_m / self.thickness_m)[0]).sum()
     }
 
     /// What obstacles do to vertex `v` at `p` (m); `None` if none is near. The Hessian is the true one if `exact`, else a positive
     /// semidefinite part of it.
-    pub(super) fn push(&self, v: usize, p: &Vec3, exact: bool) -> Option<Push> {
+    pub(crate) fn push(&self, v: usize, p: &Vec3, exact: bool) -> Option<Push> {
         let mut push = Push { energy: 0.0, gradient: Vec3::zeros(), hessian: Mat3::zeros() };
         let mut touched = false;
         for near in self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m)) {
@@ -72,7 +72,7 @@ impl<'a> Barrier<'a> {
 
     /// The longest part (0 to 1) of the move from `p` by `by` (m) on which the point keeps clear of every obstacle: conservative
     /// advancement, which never passes through anything, however thin.
-    pub(super) fn longest_move(&self, p: &Vec3, by: &Vec3) -> f64 {
+    pub(crate) fn longest_move(&self, p: &Vec3, by: &Vec3) -> f64 {
         let length = by.norm();
         let mut part = 1.0_f64;
         for obstacle in self.obstacles {

@@ -5,7 +5,7 @@
 //! [`quadratic_bending`] and [`mid_edge_bending`] resist bending; [`base`] and [`reference`](mod@reference) are the solves.
 
 pub mod base;
-mod contact;
+pub(crate) mod contact;
 mod equilibrium;
 pub mod loads;
 pub mod mid_edge_bending;

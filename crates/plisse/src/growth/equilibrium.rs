@@ -1,0 +1,476 @@
+//! Folds a grown surface up: the variational mode. A film on a soft foundation, grown in steps, each solved to equilibrium.
+//!
+//! A film of bending stiffness B on a foundation k wrinkles, as soon as it is pressed by ε_c = h²q²/(6(1−ν²)), with the wave number
+//! q = 2π/λ = (k/B)^¼. So the wavelength λ is a design parameter: **λ is the spacing of the folds that is seen on the starting
+//! surface**. (Along the grown surface a fold is longer: g·λ, which is the λ of the paper's own derivation.) The film is made
+//! [`GrowthOptions::thickness_share`] of λ thick, and k = Bq⁴/c(g) follows from λ, softened by [`super::fold_angle::softening`] as the
+//! folds grow large, so that no growth makes folds split or merge. What is asked beyond ε_c goes into length.
+//!
+//! Growth is applied in steps of equal *factors*, small ones where folds begin, so that the pattern is chosen near onset where λ alone
+//! decides; later it only grows. The grip of the foundation on sliding keeps folds from gathering in one place: on a foundation that
+//! resists offset only, a row of folds is unstable against a single large one (Diamant & Witten 2011).
+
+use std::time::Instant;
+
+use super::expansion::{Expansion, scale_edges, vertex_normals};
+use super::film::{CrestTension, Film, Foundation};
+use super::fold_angle::softening;
+use super::procedure::roughness;
+use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::material::Material;
+use crate::mesh::{Topology, Vec3};
+use crate::obstacle::Obstacle;
+use crate::progress::Observer;
+use crate::rest::RestMetric;
+use crate::shell::{Clamps, Loads, Setup};
+use crate::{Error, Result};
+
+/// Fewest edges that must fit into a wavelength.
+const LEAST_EDGES: f64 = 3.5;
+/// Growth (logarithm) at which imperfections have their full size.
+const FULL_IMPERFECTION: f64 = 0.02;
+/// Size of the imperfections' lumps, in wavelengths.
+const LUMP: f64 = 0.5;
+/// Factor between the first levels of growth.
+const LEVELS: f64 = 1.35;
+/// How much more force than at the end may be left after a step that others follow, and how many iterations it may take.
+const PASSING: (f64, usize) = (10.0, 60);
+/// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of folds is chosen.
+const CHOOSING: f64 = 3.0;
+
+/// A surface that is to grow, and what it has to put up with.
+#[derive(Clone, Debug)]
+pub struct Growing<'a> {
+    /// Connectivity.
+    pub topology: &'a Topology,
+    /// `[F]` rest metric before growth.
+    pub rest: &'a RestMetric,
+    /// `[V]` the starting surface (m), smooth, over which the folds lie.
+    pub start: &'a [Vec3],
+    /// `[V]` places (m) from which imperfections are drawn: the starting surface, or its rest shape, so that they move with it.
+    pub places: Vec<Vec3>,
+    /// How it grows.
+    pub expansion: Expansion,
+    /// `[V]` spacing λ (m) of the folds, as seen on the starting surface.
+    pub wavelength_m: Vec<f64>,
+    /// `[V]` coherence length Λ (m): how far crests run straight; 0 leaves only what the film's own stiffness gives.
+    pub coherence_m: Vec<f64>,
+    /// `[V]` offset that the surface prefers, in wavelengths: positive pushes folds out along the normals (k_pi of eq. 5).
+    pub bias: Vec<f64>,
+    /// `[V]` how much harder than out the surface goes in (no unit): 0 for folds both ways, 100 for what sticks to a hard ground.
+    pub stickiness: Vec<f64>,
+    /// `[V]` axes along which each vertex is frozen.
+    pub frozen: Vec<[bool; 3]>,
+    /// What pushes.
+    pub loads: Loads,
+    /// Bodies that no vertex enters.
+    pub obstacles: &'a [Obstacle],
+    /// Distance (m) from an obstacle within which it pushes back.
+    pub contact_thickness_m: f64,
+}
+
+impl<'a> Growing<'a> {
+    /// A free surface with the same λ and Λ (m) everywhere, without bias, sticking, loads or obstacles.
+    pub fn new(
+        topology: &'a Topology,
+        rest: &'a RestMetric,
+        start: &'a [Vec3],
+        expansion: Expansion,
+        wavelength_m: f64,
+        coherence_m: f64,
+    ) -> Self {
+        let n = start.len();
+        Self {
+            topology,
+            rest,
+            start,
+            places: start.to_vec(),
+            expansion,
+            wavelength_m: vec![wavelength_m; n],
+            coherence_m: vec![coherence_m; n],
+            bias: vec![0.0; n],
+            stickiness: vec![0.0; n],
+            frozen: vec![[false; 3]; n],
+            loads: Loads::default(),
+            obstacles: &[],
+            contact_thickness_m: 1e-3,
+        }
+    }
+
+    /// Freezes all axes of the vertices for which `choose` (vertex, place in m) says so.
+    pub fn freeze(&mut self, choose: impl Fn(usize, &Vec3) -> bool) {
+        for (v, frozen) in self.frozen.iter_mut().enumerate() {
+            if choose(v, &self.start[v]) {
+                *frozen = [true; 3];
+            }
+        }
+    }
+
+    /// Largest logarithm of a factor of length that is asked for, up or down.
+    pub fn most_growth(&self) -> f64 {
+        let log = |v: &super::expansion::Growth| v.principal().0.map(|factor| factor.ln().abs()).into_iter().fold(0.0, f64::max);
+        self.expansion.vertices.iter().map(log).fold(0.0, f64::max)
+    }
+
+    /// Mean length (m) of the edges of the starting surface.
+    fn mean_edge_m(&self) -> f64 {
+        let lengths: f64 = self.topology.edges.iter().map(|&[i, j]| (self.start[j] - self.start[i]).norm()).sum();
+        lengths / self.topology.edge_count() as f64
+    }
+
+    /// Longest extent (m) of a side of face `f` across the folds that it will have; 0 where nothing grows.
+    fn side_across_folds_m(&self, f: usize) -> f64 {
+        let face = self.topology.faces[f];
+        let across = |v: usize, side: &Vec3| {
+            let ([most, least], [along, _]) = self.expansion.vertices[v].principal();
+            if most <= 1.0 + 1e-9 {
+                return 0.0;
+            }
+            // Where it grows all ways alike, folds may run any way.
+            let even = (least.ln() / most.ln()).clamp(0.0, 1.0);
+            let part = side.dot(&along).powi(2);
+            (part + even * (side.norm_squared() - part)).sqrt()
+        };
+        let side = |k: usize| self.start[face[(k + 1) % 3]] - self.start[face[k]];
+        (0..9).map(|n| across(face[n / 3], &side(n % 3))).fold(0.0, f64::max)
+    }
+
+    /// # Errors
+    /// [`Error::Value`] naming the map and the vertex whose value cannot be used.
+    fn check(&self) -> Result<()> {
+        let n = self.topology.vertex_count;
+        let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
+            Some(v) => Err(Error::value(format!("growth.{name}"), format!("it is {} at vertex {v}; {mend}", values[v]))),
+            None if values.len() == n => Ok(()),
+            None => {
+                Err(Error::value(format!("growth.{name}"), format!("it has {} values; give one for each of {n} vertices", values.len())))
+            }
+        };
+        map("wavelength_m", &self.wavelength_m, |x| x.is_finite() && x > 0.0, "give a positive number of metres")?;
+        map("coherence_m", &self.coherence_m, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number of metres")?;
+        map("bias", &self.bias, |x| x.is_finite() && x.abs() <= 1.0, "give a share of the wavelength from -1 to 1")?;
+        map("stickiness", &self.stickiness, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number")?;
+        if self.frozen.iter().flatten().all(|&frozen| frozen) {
+            return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
+        }
+        for (f, face) in self.topology.faces.iter().enumerate() {
+            let side_m = self.side_across_folds_m(f);
+            let wavelength = face.iter().map(|&v| self.wavelength_m[v]).sum::<f64>() / 3.0;
+            if wavelength < LEAST_EDGES * side_m {
+                let message = format!(
+                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
+                    wavelength / LEAST_EDGES
+                );
+                return Err(Error::value("growth.wavelength_m", message));
+            }
+        }
+        if let Some(v) = (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0)) {
+            return Err(Error::mesh("growth", format!("vertex {v} of the starting surface is inside an obstacle; move it out")));
+        }
+        Ok(())
+    }
+}
+
+/// How folds are solved for.
+#[derive(Clone, Debug)]
+pub struct GrowthOptions {
+    /// Young's modulus (Pa) of the film: only loads and contact are measured against it.
+    pub young_pa: f64,
+    /// Poisson's ratio of the film.
+    pub poisson: f64,
+    /// Thickness of the film over λ: folds begin at the strain 6.6·share²/(1−ν²), which is what is missing of the asked length.
+    pub thickness_share: f64,
+    /// How stiffly the foundation resists sliding, over its stiffness against offset.
+    pub grip: f64,
+    /// Size of the random imperfections from which folds begin, in wavelengths.
+    pub imperfection: f64,
+    /// Chooses the imperfections.
+    pub seed: u64,
+    /// Largest step of growth: the logarithm of a factor of length.
+    pub largest_step: f64,
+    /// ε of 4.5: share of what is left between rest lengths and lengths that is forgotten after each step.
+    pub plasticity: f64,
+    /// Newton iterations at most in each step.
+    pub iteration_limit: usize,
+    /// Largest force on a vertex at the end of a step, in units of the force that starts folds on an edge.
+    pub tolerance: f64,
+}
+
+impl Default for GrowthOptions {
+    fn default() -> Self {
+        Self {
+            young_pa: 1e5,
+            poisson: 0.0,
+            thickness_share: 0.04,
+            grip: 0.3,
+            imperfection: 0.02,
+            seed: 1,
+            largest_step: 0.1,
+            plasticity: 0.0,
+            iteration_limit: 200,
+            tolerance: 1e-3,
+        }
+    }
+}
+
+impl GrowthOptions {
+    /// ε_c: the strain at which folds begin.
+    pub fn onset(&self) -> f64 {
+        (self.thickness_share * std::f64::consts::TAU).powi(2) / (6.0 * (1.0 - self.poisson * self.poisson))
+    }
+
+    /// The parts of a growth whose largest logarithm is `most`, one for each step: finer where folds begin, the last is 1.
+    pub fn parts(&self, most: f64) -> Vec<f64> {
+        let (mut parts, mut level) = (Vec::new(), 0.8 * self.onset());
+        while level < most {
+            parts.push(level / most);
+            level = (level * LEVELS).min(level + self.largest_step);
+        }
+        // No tiny last step.
+        if parts.last().is_some_and(|&last| (1.0 - last) * most < 0.1 * self.largest_step) {
+            parts.pop();
+        }
+        parts.push(1.0);
+        parts
+    }
+}
+
+/// How one step of growth went.
+#[derive(Clone, Debug)]
+pub struct StepReport {
+    /// Part of the growth (0 to 1) that was applied.
+    pub part: f64,
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Why they ended.
+    pub ending: Ending,
+    /// Largest force left on a vertex, in units of the force that starts folds on an edge.
+    pub residual: f64,
+    /// Energy (J) of the film and its foundation.
+    pub energy_joule: f64,
+}
+
+/// How a surface grew.
+#[derive(Clone, Debug)]
+pub struct GrowthReport {
+    /// Every step.
+    pub steps: Vec<StepReport>,
+    /// The rest metric that was asked for, before any plasticity.
+    pub asked: RestMetric,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+/// The folded surface (`[V]`, m).
+///
+/// # Errors
+/// [`Error::Value`] or [`Error::Mesh`] if something asked for cannot be; [`Error::Numeric`] if a step has no finite energy.
+pub fn grow(growing: &Growing<'_>, options: &GrowthOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, GrowthReport)> {
+    grow_through(growing, &options.parts(growing.most_growth()), growing.start, options, observer)
+}
+
+/// Goes through these `parts` of the growth, one after the other, from `pose` (`[V]`, m) on. Parts may fall again: 0 is the ungrown surface.
+///
+/// # Errors
+/// As [`grow`].
+pub fn grow_through(
+    growing: &Growing<'_>,
+    parts: &[f64],
+    pose: &[Vec3],
+    options: &GrowthOptions,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, GrowthReport)> {
+    let begun = Instant::now();
+    growing.check()?;
+    let film = Prepared::new(growing, options)?;
+    let mut pose = pose.to_vec();
+    let mut plastic = vec![1.0; growing.topology.edge_count()];
+    let mut steps = Vec::new();
+    let choosing = CHOOSING * options.onset() / growing.most_growth().max(f64::MIN_POSITIVE);
+    let exactly = |n: usize, part: f64| n + 1 == parts.len() || part <= choosing;
+    for (n, &part) in parts.iter().enumerate() {
+        let expansion = growing.expansion.part(part);
+        let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
+        let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
+        let report = film.settle(part, exactly(n, part), &expansion, &grown, &mut pose, observer)?;
+        let cancelled = report.ending == Ending::Cancelled;
+        steps.push(report);
+        if options.plasticity > 0.0 {
+            forget(growing.topology, &grown, &pose, options.plasticity, &mut plastic);
+        }
+        if cancelled {
+            break;
+        }
+    }
+    let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+    Ok((pose, GrowthReport { steps, asked, seconds: begun.elapsed().as_secs_f64() }))
+}
+
+/// Plasticity (4.5): l₀ becomes (1 − ε)l₀ + εl, kept as a factor of each edge.
+fn forget(topology: &Topology, rest: &RestMetric, pose: &[Vec3], share: f64, factors: &mut [f64]) {
+    for (f, face) in topology.faces.iter().enumerate() {
+        let [u, v] = rest.faces[f].edges();
+        let lengths = [u.norm(), (v - u).norm(), v.norm()];
+        for k in 0..3 {
+            let e = topology.face_edges[f][k];
+            if topology.edge_faces[e][0] == f {
+                let length = (pose[face[(k + 1) % 3]] - pose[face[k]]).norm();
+                factors[e] *= 1.0 + share * (length / lengths[k] - 1.0);
+            }
+        }
+    }
+}
+
+/// What does not change from step to step.
+struct Prepared<'a, 'b> {
+    growing: &'b Growing<'a>,
+    options: &'b GrowthOptions,
+    normals: Vec<Vec3>,
+    clamps: Clamps,
+    /// A film of mean λ's thickness.
+    material: Material,
+    /// `[F]` thickness in units of the material's.
+    thickness: Vec<f64>,
+    /// `[V]` starting area (m²).
+    area_m2: Vec<f64>,
+    /// `[F]` slope of the offset along the crests by the offsets of its corners (1/m), times √(2·area/q²)·Λ/λ; 0 where nothing grows
+    /// one way more than the other.
+    crests: Vec<CrestTension>,
+    /// `[V]` size 1, mean about 0 (no unit).
+    rough: Vec<f64>,
+    mean_edge_m: f64,
+}
+
+impl<'a, 'b> Prepared<'a, 'b> {
+    fn new(growing: &'b Growing<'a>, options: &'b GrowthOptions) -> Result<Self> {
+        let (topology, start) = (growing.topology, growing.start);
+        let mean = growing.wavelength_m.iter().sum::<f64>() / start.len() as f64;
+        let material = Material::new(options.young_pa, options.poisson, options.thickness_share * mean)?;
+        let thickness: Vec<f64> =
+            topology.faces.iter().map(|face| face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / (3.0 * mean)).collect();
+        let mut clamps = Clamps::none(start.len());
+        for (v, frozen) in growing.frozen.iter().enumerate() {
+            clamps.targets[v] = std::array::from_fn(|axis| frozen[axis].then_some(start[v][axis]));
+        }
+        let surface = RestMetric::from_shape("growth", start, &topology.faces)?;
+        let mut area_m2 = vec![0.0; start.len()];
+        for (face, rest) in topology.faces.iter().zip(&surface.faces) {
+            face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
+        }
+        let lump = |v: usize| LUMP * growing.wavelength_m[v];
+        Ok(Self {
+            growing,
+            options,
+            normals: vertex_normals(topology, start)?,
+            clamps,
+            material,
+            thickness,
+            area_m2,
+            crests: (0..topology.face_count()).map(|f| crest_tension(growing, &surface, f)).collect(),
+            rough: (0..start.len()).map(|v| roughness(&growing.places[v], lump(v), options.seed)).collect(),
+            mean_edge_m: growing.mean_edge_m(),
+        })
+    }
+
+    /// k (N/m³) at vertex `v`, grown by the factor `growth`.
+    fn stiffness(&self, v: usize, growth: f64) -> f64 {
+        let (wavelength, poisson) = (self.growing.wavelength_m[v], self.options.poisson);
+        let thickness = self.options.thickness_share * wavelength;
+        let bending = self.options.young_pa * thickness.powi(3) / (12.0 * (1.0 - poisson * poisson));
+        bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
+    }
+
+    fn settle(
+        &self,
+        part: f64,
+        exactly: bool,
+        expansion: &Expansion,
+        grown: &RestMetric,
+        pose: &mut [Vec3],
+        observer: &dyn Observer,
+    ) -> Result<StepReport> {
+        let (growing, options) = (self.growing, self.options);
+        let most: Vec<f64> = expansion.vertices.iter().map(|growth| growth.principal().0[0]).collect();
+        let foundation: Vec<Foundation> = (0..most.len())
+            .map(|v| {
+                let stiffness = self.stiffness(v, most[v]) * self.area_m2[v];
+                // What does not grow is pushed nowhere.
+                let begun = (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
+                let offset_m = begun * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]);
+                Foundation {
+                    normal: self.normals[v],
+                    stiffness,
+                    grip: options.grip * stiffness,
+                    offset_m,
+                    stickiness: growing.stickiness[v],
+                }
+            })
+            .collect();
+        let crests: Vec<CrestTension> = growing
+            .topology
+            .faces
+            .iter()
+            .zip(&self.crests)
+            .map(|(face, crest)| {
+                let stiffness = face.iter().map(|&v| self.stiffness(v, most[v])).sum::<f64>() / 3.0;
+                crest.map(|c| c * stiffness.sqrt())
+            })
+            .collect();
+        let setup = Setup {
+            loads: growing.loads.clone(),
+            obstacles: growing.obstacles,
+            contact_thickness_m: growing.contact_thickness_m,
+            ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
+        };
+        let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?;
+        let (loose, most_iterations) = if exactly { (1.0, options.iteration_limit) } else { PASSING };
+        let force = options.onset() * self.mean_edge_m / film.length_m();
+        let newton = Options {
+            stage: "grow",
+            iteration_limit: options.iteration_limit.min(most_iterations),
+            tolerance: loose * options.tolerance * force,
+            convexity: Convexity::Clamped,
+            ridge: 1e-14,
+            energy_unit_joule: film.unit_joule(),
+        };
+        let begin = film.pack(pose);
+        let outcome = minimise(&mut film, &begin, &newton, observer)?;
+        if !outcome.energy.is_finite() {
+            return Err(Error::numeric("grow", "the energy is not a finite number; check the expansion and the loads"));
+        }
+        film.unpack(&outcome.x, pose);
+        Ok(StepReport {
+            part,
+            iterations: outcome.iterations,
+            ending: outcome.ending,
+            residual: outcome.projected_gradient / force,
+            energy_joule: outcome.energy * film.unit_joule(),
+        })
+    }
+}
+
+/// The crest tension of face `f` over √k: T = 2k/q²·(Λ/λ)² against slopes along the direction that grows least.
+fn crest_tension(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> CrestTension {
+    let face = growing.topology.faces[f];
+    let [a, b, c] = face.map(|v| growing.start[v]);
+    // A face's frame: the first vector along side 0→1, as in its metric.
+    let first = (b - a).normalize();
+    let second = (b - a).cross(&(c - a)).normalize().cross(&first);
+    // The directions are lines: their dyads are averaged, weighted by how much more grows one way than the other.
+    let (mut dyads, mut ratio) = (crate::mesh::Mat2::zeros(), 0.0);
+    for v in face {
+        let ([most, least], [_, along]) = growing.expansion.vertices[v].principal();
+        let uneven = if most > 1.0 { 1.0 - least.ln().max(0.0) / most.ln() } else { 0.0 };
+        let along = crate::mesh::Vec2::new(first.dot(&along), second.dot(&along));
+        dyads += along * along.transpose() * uneven;
+        ratio += uneven / 3.0 * growing.coherence_m[v] / growing.wavelength_m[v];
+    }
+    if ratio == 0.0 {
+        return [0.0; 3];
+    }
+    let (_, low) = crate::strain::principal_pair(&dyads);
+    let crest = crate::mesh::Vec2::new(-low.y, low.x);
+    let wavelength = face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / 3.0;
+    let scale = (2.0 * surface.faces[f].area_m2).sqrt() * wavelength / std::f64::consts::TAU * ratio;
+    surface.faces[f].barycentric_gradients().map(|g| scale * g.dot(&crest))
+}

@@ -1,0 +1,456 @@
+//! The energy of a grown film on a foundation, for [`crate::linalg::newton`]: membrane on the grown metric, bending, the foundation that
+//! holds the mean of its folds to the starting surface, the tension that lines its crests up, weight and contact.
+//!
+//! With the displacement u (m) of each vertex from the starting surface and the offset w = N·u along its normal N there:
+//!
+//! - membrane: St. Venant–Kirchhoff on ā, [`Membrane`] with full resistance to compression;
+//! - bending: [`QuadraticBending`] of u, so that a curved starting surface is at rest. It takes the rotation of the starting
+//!   curvature for small against that of the folds;
+//! - foundation: k/2·∫(s(w)·(w − w₀)² + grip·|u − wN|²) over the starting area, where s is 1 above and 1 + stickiness below;
+//! - crests: T/2·∫(∂w/∂c)² over the starting area, where c runs along the crests. Folds whose wave vector leans by qᵥ along c cost
+//!   T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² + D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs
+//!   second derivatives, which on irregular triangles let a stiff direction leak into the soft one.
+//!
+//! All but membrane, sticking and contact is quadratic in u: one constant matrix.
+
+use nalgebra::SMatrix;
+use rayon::prelude::*;
+
+use crate::Result;
+use crate::linalg::newton::{Convexity, Problem};
+use crate::linalg::sparse::SymmetricPattern;
+use crate::material::Material;
+use crate::mesh::{Mat3, NONE, Vec3};
+use crate::shell::Setup;
+use crate::shell::contact::Barrier;
+use crate::shell::quadratic_bending::QuadraticBending;
+use crate::shell::tension_field::{FaceHessian, Membrane};
+
+/// Faces a thread takes at once.
+const CHUNK: usize = 128;
+
+/// What holds one vertex to the starting surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foundation {
+    /// Unit normal of the starting surface.
+    pub normal: Vec3,
+    /// Stiffness against offset along the normal (N/m): k times starting area.
+    pub stiffness: f64,
+    /// Stiffness against sliding along the surface (N/m).
+    pub grip: f64,
+    /// w₀: offset (m) at which the foundation is at rest.
+    pub offset_m: f64,
+    /// How much stiffer it is below the surface than above: 0 for equally stiff.
+    pub stickiness: f64,
+}
+
+/// What lines crests up on one face: the energy is ½(Σ coefficient·w)² over its corners.
+pub type CrestTension = [f64; 3];
+
+/// A film that is being folded.
+pub struct Film<'a> {
+    setup: &'a Setup<'a>,
+    start: &'a [Vec3],
+    membranes: Vec<Membrane>,
+    foundation: &'a [Foundation],
+    barrier: Option<Barrier<'a>>,
+    forces_newton: Vec<Vec3>,
+    /// `[V][3]` unknown of each coordinate.
+    unknown: Vec<[usize; 3]>,
+    size: usize,
+    length_m: f64,
+    unit_joule: f64,
+    pattern: SymmetricPattern,
+    /// Hessian of all that is quadratic, in units.
+    constant: Vec<f64>,
+    /// `[F][45]` slots of each face's lower triangle; `u32::MAX` where a coordinate is held.
+    slots: Vec<[u32; 45]>,
+    pose: Vec<Vec3>,
+    product: Vec<f64>,
+}
+
+impl<'a> Film<'a> {
+    /// The film of `setup` (whose rest metric is the grown one, whose clamps hold coordinates where `start` has them, and whose material
+    /// is that of faces of thickness 1) over the starting surface `start` (`[V]`, m). `thickness` (`[F]`, no unit) is the thickness of
+    /// each face in units of the material's, `crests` (`[F]`, √J/m) lines folds up.
+    ///
+    /// # Errors
+    /// [`crate::Error::Value`] if a face's material is none.
+    pub fn new(
+        setup: &'a Setup<'a>,
+        start: &'a [Vec3],
+        thickness: &[f64],
+        foundation: &'a [Foundation],
+        crests: &[CrestTension],
+    ) -> Result<Self> {
+        let (topology, material) = (setup.topology, setup.material);
+        let mut size = 0;
+        let unknown: Vec<[usize; 3]> = setup
+            .clamps
+            .targets
+            .iter()
+            .map(|target| {
+                target.map(|held| {
+                    if held.is_some() {
+                        return NONE;
+                    }
+                    size += 1;
+                    size - 1
+                })
+            })
+            .collect();
+        let membrane = |f: usize| -> Result<Membrane> {
+            let material = Material::new(material.young_pa, material.poisson, material.thickness_m * thickness[f])?;
+            Ok(Membrane::new(&setup.rest.faces[f], &material, 1.0))
+        };
+        let membranes = (0..topology.face_count()).map(membrane).collect::<Result<_>>()?;
+        let bending = bending_rows(setup, thickness);
+        let length_m = setup.length_m();
+        let unit_joule = material.young_pa * material.thickness_m * length_m * length_m;
+
+        let faces = topology.faces.iter().map(|face| free(face.iter().flat_map(|&v| unknown[v])));
+        let rows = bending
+            .rows
+            .iter()
+            .flat_map(|row| (0..3).map(|axis| free(row.iter().map(move |&(v, _)| (v, axis)).map(|(v, a)| unknown[v][a]))));
+        let lists: Vec<Vec<usize>> = faces.chain(rows).collect();
+        let pattern = SymmetricPattern::from_elements(size, lists.iter().map(Vec::as_slice));
+        let slots = topology.faces.iter().map(|face| face_slots(&pattern, face.map(|v| unknown[v]).as_flattened())).collect();
+        let mut film = Self {
+            setup,
+            start,
+            membranes,
+            foundation,
+            barrier: Barrier::new(setup),
+            forces_newton: setup.dead_forces_newton(),
+            unknown,
+            size,
+            length_m,
+            unit_joule,
+            constant: vec![0.0; pattern.entry_count()],
+            pattern,
+            slots,
+            pose: start.to_vec(),
+            product: vec![0.0; size],
+        };
+        film.gather(&bending, crests);
+        Ok(film)
+    }
+
+    /// Joules in one unit of energy.
+    pub fn unit_joule(&self) -> f64 {
+        self.unit_joule
+    }
+
+    /// Metres in one unit of the unknowns.
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// The constant part of the Hessian.
+    fn gather(&mut self, bending: &QuadraticBending, crests: &[CrestTension]) {
+        let scale = self.length_m * self.length_m / self.unit_joule;
+        for row in &bending.rows {
+            for axis in 0..3 {
+                for (n, &(v, a)) in row.iter().enumerate() {
+                    for &(u, b) in &row[..=n] {
+                        let (i, j) = (self.unknown[v][axis], self.unknown[u][axis]);
+                        if i != NONE && j != NONE {
+                            self.constant[self.pattern.slot(i, j)] += 2.0 * scale * a * b;
+                        }
+                    }
+                }
+            }
+        }
+        for (f, tension) in crests.iter().enumerate().filter(|(_, tension)| **tension != [0.0; 3]) {
+            let corners = self.setup.topology.faces[f];
+            let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]);
+            add(&mut self.constant, &self.slots[f], &(slope * slope.transpose() * scale));
+        }
+        for (v, foundation) in self.foundation.iter().enumerate() {
+            let normal = foundation.normal * foundation.normal.transpose();
+            let block = normal * foundation.stiffness + (Mat3::identity() - normal) * foundation.grip;
+            add_vertex(&self.pattern, &self.unknown[v], &(block * scale), &mut self.constant);
+        }
+    }
+
+    /// The unknowns of `pose` (`[V]`, m).
+    pub fn pack(&self, pose: &[Vec3]) -> Vec<f64> {
+        let mut x = vec![0.0; self.size];
+        for (v, unknown) in self.unknown.iter().enumerate() {
+            for axis in (0..3).filter(|&axis| unknown[axis] != NONE) {
+                x[unknown[axis]] = (pose[v][axis] - self.start[v][axis]) / self.length_m;
+            }
+        }
+        x
+    }
+
+    /// The pose (`[V]`, m) of the unknowns; the starting surface to the bit where they are 0.
+    pub fn unpack(&self, x: &[f64], pose: &mut [Vec3]) {
+        for (v, unknown) in self.unknown.iter().enumerate() {
+            for axis in (0..3).filter(|&axis| unknown[axis] != NONE) {
+                pose[v][axis] = self.start[v][axis] + x[unknown[axis]] * self.length_m;
+            }
+        }
+    }
+
+    fn take(&mut self, x: &[f64]) {
+        let mut pose = std::mem::take(&mut self.pose);
+        self.unpack(x, &mut pose);
+        self.pose = pose;
+        let mut product = std::mem::take(&mut self.product);
+        self.pattern.multiply(&self.constant, x, &mut product);
+        self.product = product;
+    }
+
+    fn corners(&self, f: usize) -> [Vec3; 3] {
+        self.setup.topology.faces[f].map(|v| self.pose[v])
+    }
+
+    /// Energy (J), and slope (N) along the normal, of what holds vertex `v` beyond the constant matrix, where the offset is `w` (m).
+    fn hold(&self, v: usize, w: f64) -> [f64; 2] {
+        let Foundation { stiffness, offset_m, stickiness, .. } = self.foundation[v];
+        let below = if w < 0.0 { stickiness * stiffness } else { 0.0 };
+        [stiffness * offset_m * (0.5 * offset_m - w) + 0.5 * below * w * w, below * w - stiffness * offset_m]
+    }
+
+    fn vertex_energy(&self, v: usize) -> f64 {
+        let moved = self.pose[v] - self.start[v];
+        let mut energy = self.hold(v, self.foundation[v].normal.dot(&moved))[0] - self.forces_newton[v].dot(&moved);
+        if let Some(barrier) = &self.barrier {
+            energy += barrier.energy(v, &self.pose[v]);
+        }
+        energy
+    }
+
+    /// Sum over 0..n in a fixed order, whatever the number of threads.
+    fn sum(n: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
+        let part = |c: usize| -> f64 { (c * CHUNK..n.min((c + 1) * CHUNK)).map(&term).sum() };
+        let sums: Vec<f64> = (0..n.div_ceil(CHUNK)).into_par_iter().map(part).collect();
+        sums.iter().sum()
+    }
+
+    fn energy_here(&self, x: &[f64]) -> f64 {
+        let quadratic: f64 = x.iter().zip(&self.product).map(|(x, y)| x * y).sum();
+        let faces = Self::sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
+        0.5 * quadratic + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v))) / self.unit_joule
+    }
+}
+
+impl Problem for Film<'_> {
+    fn pattern(&self) -> SymmetricPattern {
+        self.pattern.clone()
+    }
+
+    fn lower_bounds(&self) -> Vec<f64> {
+        vec![f64::NEG_INFINITY; self.size]
+    }
+
+    fn energy(&mut self, x: &[f64]) -> f64 {
+        self.take(x);
+        self.energy_here(x)
+    }
+
+    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        self.take(x);
+        gradient.copy_from_slice(&self.product);
+        let scale = self.length_m / self.unit_joule;
+        let slopes: Vec<_> =
+            (0..self.membranes.len()).into_par_iter().with_min_len(CHUNK).map(|f| self.membranes[f].gradient(&self.corners(f))).collect();
+        let mut add = |v: usize, axis: usize, force: f64| {
+            if self.unknown[v][axis] != NONE {
+                gradient[self.unknown[v][axis]] += scale * force;
+            }
+        };
+        for (face, slope) in self.setup.topology.faces.iter().zip(&slopes) {
+            for k in 0..9 {
+                add(face[k / 3], k % 3, slope[k]);
+            }
+        }
+        for v in 0..self.pose.len() {
+            let normal = self.foundation[v].normal;
+            let mut force = normal * self.hold(v, normal.dot(&(self.pose[v] - self.start[v])))[1] - self.forces_newton[v];
+            if let Some(push) = self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false)) {
+                force += push.gradient;
+            }
+            for axis in 0..3 {
+                add(v, axis, force[axis]);
+            }
+        }
+        self.energy_here(x)
+    }
+
+    fn longest_step(&self, _: &[f64], direction: &[f64]) -> f64 {
+        let Some(barrier) = &self.barrier else { return 1.0 };
+        let part = |v: usize| {
+            let by = Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
+                NONE => 0.0,
+                u => direction[u] * self.length_m,
+            });
+            barrier.longest_move(&self.pose[v], &by)
+        };
+        (0..self.pose.len()).into_par_iter().with_min_len(CHUNK).map(part).reduce(|| 1.0, f64::min)
+    }
+
+    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+        values.copy_from_slice(&self.constant);
+        let scale = self.length_m * self.length_m / self.unit_joule;
+        let hessians: Vec<FaceHessian> = (0..self.membranes.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|f| self.membranes[f].derivatives(&self.corners(f), convexity).2 * scale)
+            .collect();
+        for (slots, hessian) in self.slots.iter().zip(&hessians) {
+            add(values, slots, hessian);
+        }
+        for v in 0..self.pose.len() {
+            let Foundation { normal, stiffness, stickiness, .. } = self.foundation[v];
+            let mut block = Mat3::zeros();
+            if stickiness != 0.0 && normal.dot(&(self.pose[v] - self.start[v])) < 0.0 {
+                block += normal * normal.transpose() * (stickiness * stiffness);
+            }
+            if let Some(push) = self.barrier.as_ref().and_then(|b| b.push(v, &self.pose[v], convexity == Convexity::Exact)) {
+                block += push.hessian;
+            }
+            if block != Mat3::zeros() {
+                add_vertex(&self.pattern, &self.unknown[v], &(block * scale), values);
+            }
+        }
+    }
+}
+
+/// The bending of faces of unequal thickness: each square is scaled by the mean of its faces' thickness, to the power 3/2.
+fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBending {
+    let mut bending = QuadraticBending::new(setup.topology, setup.rest, setup.material);
+    let mut around = vec![(0.0, 0.0); setup.topology.vertex_count];
+    for (f, face) in setup.topology.faces.iter().enumerate() {
+        for &v in face {
+            around[v].0 += thickness[f] * setup.rest.faces[f].area_m2;
+            around[v].1 += setup.rest.faces[f].area_m2;
+        }
+    }
+    for (row, (sum, area)) in bending.rows.iter_mut().zip(around) {
+        let scale = (sum / area).powf(1.5);
+        row.iter_mut().for_each(|(_, c)| *c *= scale);
+    }
+    bending
+}
+
+fn free(unknowns: impl Iterator<Item = usize>) -> Vec<usize> {
+    unknowns.filter(|&u| u != NONE).collect()
+}
+
+fn face_slots(pattern: &SymmetricPattern, unknowns: &[usize]) -> [u32; 45] {
+    let mut slots = [u32::MAX; 45];
+    let mut n = 0;
+    for (k, &i) in unknowns.iter().enumerate() {
+        for &j in &unknowns[..=k] {
+            if i != NONE && j != NONE {
+                slots[n] = pattern.slot(i, j) as u32;
+            }
+            n += 1;
+        }
+    }
+    slots
+}
+
+fn add(values: &mut [f64], slots: &[u32; 45], hessian: &FaceHessian) {
+    let mut n = 0;
+    for k in 0..9 {
+        for l in 0..=k {
+            if slots[n] != u32::MAX {
+                values[slots[n] as usize] += hessian[(k, l)];
+            }
+            n += 1;
+        }
+    }
+}
+
+fn add_vertex(pattern: &SymmetricPattern, unknown: &[usize; 3], block: &Mat3, values: &mut [f64]) {
+    for i in 0..3 {
+        for j in 0..=i {
+            if unknown[i] != NONE && unknown[j] != NONE {
+                values[pattern.slot(unknown[i], unknown[j])] += block[(i, j)];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::derivative_check::{gradient_error, hessian_error};
+    use crate::mesh::Topology;
+    use crate::mesh::scatter::Random;
+    use crate::obstacle::Obstacle;
+    use crate::rest::RestMetric;
+    use crate::shell::{Clamps, Loads};
+
+    /// Everything at once on an octahedron: sticking above and below, crests, weight, an obstacle in touch, a vertex held on one axis.
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let [x, y, z] = [Vec3::x(), Vec3::y(), Vec3::z()];
+        let start = vec![x, y, z, -x, -y, -z];
+        let faces = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        let topology = Topology::new("octahedron", 6, faces).unwrap();
+        let grown: Vec<Vec3> = start.iter().map(|p| p * 1.2).collect();
+        let rest = RestMetric::from_shape("octahedron", &grown, &topology.faces).unwrap();
+        let material = Material::new(50.0, 0.3, 0.3).unwrap();
+        let mut clamps = Clamps::none(6);
+        clamps.targets[3][1] = Some(start[3].y);
+        let mut random = Random(5);
+        let mut number = || 2.0 * random.unit() - 1.0;
+        let pose: Vec<Vec3> = start.iter().map(|p| p + 0.2 * Vec3::new(number(), number(), number())).collect();
+        let obstacles = [Obstacle::plane("floor", pose[5] - 0.2 * z, z).unwrap()];
+        let setup = Setup {
+            loads: Loads { density_kg_m3: 2.0, gravity_m_s2: -9.0 * z, ..Loads::default() },
+            obstacles: &obstacles,
+            contact_thickness_m: 0.5,
+            ..Setup::new(&topology, &rest, &material, &clamps)
+        };
+        let foundation: Vec<Foundation> = start
+            .iter()
+            .map(|p| Foundation { normal: *p, stiffness: 2.0 + number(), grip: 0.7, offset_m: 0.1 * number(), stickiness: 1.5 })
+            .collect();
+        let crests: Vec<CrestTension> = (0..8).map(|_| [number(), number(), number()]).collect();
+        let thickness: Vec<f64> = (0..8).map(|_| 1.0 + 0.3 * number()).collect();
+        let mut film = Film::new(&setup, &start, &thickness, &foundation, &crests).unwrap();
+        let x = film.pack(&pose);
+        let mut gradient = vec![0.0; x.len()];
+        let energy = film.linearise(&x, &mut gradient);
+        assert_eq!(energy, film.energy(&x));
+        let mut values = vec![0.0; film.pattern.entry_count()];
+        film.hessian(Convexity::Exact, &mut values);
+        let (mut hessian, mut unit) = (Vec::new(), vec![0.0; x.len()]);
+        for i in 0..x.len() {
+            unit[i] = 1.0;
+            let mut row = vec![0.0; x.len()];
+            film.pattern.multiply(&values, &unit, &mut row);
+            hessian.extend(row);
+            unit[i] = 0.0;
+        }
+        let e = gradient_error(&x, 0.1, &gradient, |y| film.energy(y));
+        assert!(e < 1e-7, "gradient {e:e}");
+        let slope = |y: &[f64]| {
+            let mut gradient = vec![0.0; x.len()];
+            film.linearise(y, &mut gradient);
+            gradient
+        };
+        let e = hessian_error(&x, 0.1, &hessian, slope);
+        assert!(e < 1e-6, "Hessian {e:e}");
+    }
+
+    #[test]
+    fn the_starting_surface_comes_back_to_the_bit() {
+        let start = vec![Vec3::new(0.1, 0.7, 1.0 / 3.0), Vec3::new(1.3, 0.2, 0.9), Vec3::new(-0.4, 1.1, 0.6)];
+        let topology = Topology::new("t", 3, vec![[0, 1, 2]]).unwrap();
+        let rest = RestMetric::from_shape("t", &start, &topology.faces).unwrap();
+        let (material, clamps) = (Material::new(1.0, 0.0, 0.01).unwrap(), Clamps::none(3));
+        let setup = Setup::new(&topology, &rest, &material, &clamps);
+        let foundation = [Foundation { normal: Vec3::z(), stiffness: 1.0, grip: 1.0, offset_m: 0.0, stickiness: 0.0 }; 3];
+        let film = Film::new(&setup, &start, &[1.0], &foundation, &[[0.0; 3]]).unwrap();
+        let mut pose = vec![Vec3::zeros(); 3];
+        film.unpack(&film.pack(&start), &mut pose);
+        assert_eq!(pose, start);
+    }
+}

@@ -1,0 +1,17 @@
+//! Folds where the surface is told to grow: expansion textures ([Combaz & Neyret 2002]).
+//!
+//! [`expansion`] says by how much, and along what, the surface grows, and edits the rest metric; [`procedure`] makes such maps, and
+//! maps of single numbers, from the place on the surface; [`equilibrium`] folds the grown surface up by minimising the energy of a
+//! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large fold; [`measure`] counts what came out.
+
+pub mod equilibrium;
+pub mod expansion;
+pub mod film;
+pub mod fold_angle;
+pub mod measure;
+pub mod procedure;
+pub mod reference;
+
+pub use equilibrium::{Growing, GrowthOptions, GrowthReport, grow};
+pub use expansion::Expansion;
+pub use procedure::{Course, Procedure};
