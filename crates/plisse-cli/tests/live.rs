@@ -62,8 +62,9 @@ fn frames_a_film_and_a_report_by_the_twins() {
 fn the_gpu_makes_the_same_frames() {
     let folder = Folder::new("live-gpu");
     let (gpu, cpu) = (folder.0.join("gpu"), folder.0.join("cpu"));
-    let more = ["--wavelength", "0.06", "--frames", "2", "--fps", "60", "--start", "0.9", "--size", "200x150"];
-    let output = live("shirt", &gpu, &more);
+    // The crumpled zeppelin has one best pattern; where there are many, round-off chooses.
+    let more = ["--wavelength", "0.5", "--frames", "2", "--fps", "10", "--start", "0.5", "--size", "200x150"];
+    let output = live("zeppelin", &gpu, &more);
     if !output.status.success() {
         // Nothing to run on is the only excuse, and scripts/test.sh takes it away.
         let text = String::from_utf8_lossy(&output.stderr);
@@ -71,7 +72,7 @@ fn the_gpu_makes_the_same_frames() {
         return;
     }
     let on_gpu = json(&gpu.join("report.json"));
-    let on_cpu = made("shirt", &cpu, &[&more[..], &["--cpu"]].concat());
+    let on_cpu = made("zeppelin", &cpu, &[&more[..], &["--cpu"]].concat());
     for field in ["unified_vertices", "draw_vertices", "faces", "frames", "clip"] {
         assert_eq!(on_gpu[field], on_cpu[field], "{field}");
     }
@@ -79,10 +80,10 @@ fn the_gpu_makes_the_same_frames() {
     let (_, a, _) = pixels(&gpu.join("frame-0001.png"));
     let (_, b, _) = pixels(&cpu.join("frame-0001.png"));
     let mean = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64;
-    // New wrinkles find their phases in other ways, so a few lie elsewhere.
-    assert!(mean(&a, &b) < 2.0, "{}", mean(&a, &b));
+    assert!(mean(&a, &b) < 0.3, "{}", mean(&a, &b));
+    // The measure can tell one frame from the next.
     let (_, other, _) = pixels(&cpu.join("frame-0000.png"));
-    assert!(mean(&other, &b) > 0.0);
+    assert!(mean(&other, &b) > 0.3, "{}", mean(&other, &b));
 }
 
 #[test]

@@ -4,7 +4,10 @@ use bytemuck::{Pod, Zeroable};
 use plisse::{Error, Result};
 use plisse_live::crush::Crushed;
 use plisse_live::live::{LiveOptions, LiveState};
+use plisse_live::model::Vertices;
+use plisse_live::relax::{VISIBLE, spread};
 use plisse_live::skin::{Pose, Skinned};
+use plisse_live::unify::Unified;
 use plisse_live::{Vec3, wgsl};
 
 use crate::arrays::{Arrays, Character, Part, Placed, frame};
@@ -74,6 +77,10 @@ pub struct Live {
     pub(crate) batches: Vec<Batch>,
     pub(crate) parts: Vec<Part>,
     wavelength_m: Vec<f32>,
+    /// Who neighbours whom, of all characters; what [`spread`] walks.
+    joined: Unified,
+    /// `[U]` whose wrinkles could be seen when [`spread`] last looked.
+    seen: Vec<bool>,
     current: usize,
     frame: usize,
     ran: [bool; 5],
@@ -140,6 +147,13 @@ impl Live {
             .collect();
         let gathering: Vec<(usize, &[&wgpu::Buffer])> = gathering.iter().map(|(count, a)| (*count, &a[..])).collect();
         let wavelength_m = arrays.rest[..unified].iter().map(|r| r.wavelength_m).collect();
+        let joined = Unified {
+            vertices: Vertices { positions: arrays.rest[..unified].iter().map(|r| r.position.into()).collect(), ..Vertices::default() },
+            vertex_of_draw: Vec::new(),
+            faces: Vec::new(),
+            starts: arrays.starts,
+            neighbours: arrays.neighbours,
+        };
         let live = Self {
             skin: stage(
                 "skin",
@@ -168,6 +182,8 @@ impl Live {
             batches: batches.into_iter().map(|(batch, _)| batch).collect(),
             parts: arrays.parts,
             wavelength_m,
+            seen: vec![false; unified],
+            joined,
             current: 0,
             frame: 0,
             ran: [false; 5],
@@ -183,10 +199,12 @@ impl Live {
     /// [`Error::Numeric`] if the device fails.
     pub fn begin(&mut self, gpu: &Gpu, characters: &[Character<'_>], poses: &[&Pose], options: &LiveOptions) -> Result<()> {
         let (mut direction, mut phase) = (Vec::new(), Vec::new());
+        self.seen.clear();
         for (character, pose) in characters.iter().zip(poses) {
             let mut state = LiveState::default();
             let own = LiveOptions { wavelength_m: character.wavelength_m.to_vec(), bias: character.bias.to_vec(), ..options.clone() };
             state.step(character.unified, pose, &own);
+            self.seen.extend(state.crushed.strength.iter().map(|&s| s >= VISIBLE));
             direction.extend(state.crushed.direction);
             phase.extend(state.phase);
         }
@@ -195,7 +213,8 @@ impl Live {
         self.step(gpu, poses, &LiveOptions { rounds: 0, ..options.clone() })
     }
 
-    /// Makes the next frame. [`LiveOptions::spread_new`] has no effect here: wrinkles that appear follow their neighbours.
+    /// Makes the next frame. With [`LiveOptions::spread_new`] waves are read back, and where new ones appeared, their phases are spread by
+    /// the twin; without, nothing is waited for.
     ///
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
@@ -211,6 +230,9 @@ impl Live {
         self.skin.run(gpu, &mut self.timer, 0, [0])?;
         if whole {
             self.crush.run(gpu, &mut self.timer, 1, [0])?;
+            if options.spread_new && self.frame > 0 {
+                self.spread_new(gpu)?;
+            }
             let first = self.current;
             if options.rounds > 0 {
                 self.relax.run(gpu, &mut self.timer, 2, (0..options.rounds).map(|r| (first + r) % 2))?;
@@ -220,6 +242,15 @@ impl Live {
         self.gather.run(gpu, &mut self.timer, 3, (0..self.batches.len()).map(|b| 2 * b + self.current))?;
         self.frame += 1;
         gpu.check()
+    }
+
+    /// Phases for wrinkles that nobody has seen yet, from those that were seen.
+    fn spread_new(&mut self, gpu: &Gpu) -> Result<()> {
+        let waves = self.read(gpu)?;
+        let phase = spread(&self.joined, &waves.posed.positions, &waves.crushed, &waves.phase, &self.seen);
+        gpu.write(&self.phase[self.current], &phase);
+        self.seen = waves.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
+        Ok(())
     }
 
     /// Replaces the directions of the last frame and the phases.

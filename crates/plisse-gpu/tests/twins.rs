@@ -267,7 +267,7 @@ fn characters_in_one_pass_are_what_each_is_alone() {
     let characters: Vec<Character<'_>> = subjects.iter().map(Subject::character).collect();
     let mut together = Live::new(&gpu, &characters).unwrap();
     let at = |i: usize| -> Vec<Pose> { subjects.iter().map(|s| s.pose(s.times()[i])).collect() };
-    let options = options(&subjects[0]);
+    let options = LiveOptions { spread_new: true, ..options(&subjects[0]) };
     let first = at(0);
     together.begin(&gpu, &characters, &first.iter().collect::<Vec<_>>(), &options).unwrap();
     let second = at(2);

@@ -22,7 +22,7 @@ pub struct LiveOptions {
     /// Crush and Relax run every n-th frame only.
     pub every: usize,
     /// Whether wrinkles that nobody saw in the last frame take their phases by [`spread`] instead of by Relax alone. It walks the
-    /// mesh in one thread, so a GPU may do without.
+    /// mesh in one thread, which is what takes the time on large meshes; without, new wrinkles stay in more bifurcations.
     pub spread_new: bool,
     /// Seed of the phases that the first frame starts from.
     pub seed: u64,
