@@ -21,6 +21,18 @@ for component in fmt clippy; do
   fi
 done
 
+# The GPU tests need an adapter: where there is none, Mesa's software Vulkan driver stands in.
+if [ "$(uname)" = Linux ] && ! ls /usr/share/vulkan/icd.d/*.json /etc/vulkan/icd.d/*.json >/dev/null 2>&1; then
+  say "installing a software Vulkan driver"
+  if command -v apt-get >/dev/null 2>&1 && apt-get update -qq && apt-get install -y -qq --no-install-recommends mesa-vulkan-drivers; then
+    :
+  else
+    echo "error: no Vulkan driver, and mesa-vulkan-drivers cannot be installed; install one, then run this again" >&2
+    exit 2
+  fi
+fi
+export PLISSE_NEED_GPU=1
+
 say "formatting"
 cargo fmt --all -- --check
 

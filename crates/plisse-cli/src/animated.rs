@@ -63,6 +63,7 @@ pub(crate) fn open(input: &str, waves: &WaveArguments, others: &str) -> Result<A
         (None, None) => Vec::new(),
     };
     let usual = LiveOptions::new(wavelength_m as f32);
+    let usual = if waves.unrelaxed { LiveOptions { rounds: 0, first_rounds: 0, spread_new: false, ..usual } } else { usual };
     let options = LiveOptions {
         wavelength_m: wavelength::per_vertex(&unified, wavelength_m as f32, shares.as_deref()),
         bias,

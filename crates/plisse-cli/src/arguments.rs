@@ -127,6 +127,9 @@ pub(crate) struct WaveArguments {
     /// Rounds of relaxation a frame [default: 1]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(0..=1000))]
     pub(crate) rounds: Option<u32>,
+    /// Leave the phases random instead of aligning them: irregular, like skin
+    #[arg(long, conflicts_with = "rounds")]
+    pub(crate) unrelaxed: bool,
     /// Wrinkles move with every n-th frame only [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) every: Option<u32>,
@@ -150,6 +153,7 @@ impl WaveArguments {
             ("--profile", self.profile.is_some()),
             ("--clip", self.clip.is_some()),
             ("--rounds", self.rounds.is_some()),
+            ("--unrelaxed", self.unrelaxed),
             ("--every", self.every.is_some()),
             ("--bias", self.bias.is_some()),
             ("--random-wrinkles", self.random_wrinkles.is_some()),

@@ -76,7 +76,10 @@ impl LiveState {
             let positions = &self.posed.positions;
             let (mut rate, mut rounds) = (options.rate, options.rounds);
             if self.frame == 0 {
-                self.phase = spread(unified, positions, &self.crushed, &random_phases(unified.count(), options.seed), &[]);
+                self.phase = random_phases(unified.count(), options.seed);
+                if options.spread_new {
+                    self.phase = spread(unified, positions, &self.crushed, &self.phase, &[]);
+                }
                 (rate, rounds) = (0.5, options.first_rounds);
             } else if options.spread_new {
                 self.phase = spread(unified, positions, &self.crushed, &self.phase, &seen);
