@@ -8,7 +8,7 @@ use plisse_live::model::Vertices;
 use plisse_live::relax::{VISIBLE, spread};
 use plisse_live::skin::{Pose, Skinned};
 use plisse_live::unify::Unified;
-use plisse_live::{Vec3, wgsl};
+use plisse_live::{Vec3, field, wgsl};
 
 use crate::arrays::{Arrays, Character, Part, Placed, frame};
 use crate::device::Gpu;
@@ -251,6 +251,27 @@ impl Live {
         gpu.write(&self.phase[self.current], &phase);
         self.seen = waves.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
         Ok(())
+    }
+
+    /// Shows `waves` over vertices `posed` (`[U]`) instead of a frame's own, e.g. those of a solved wrinkle field
+    /// ([`plisse_live::field::from_field`]); `draw_normals` (`[V]`) are those of the draw vertices. The next [`Live::step`] goes on from its own.
+    ///
+    /// # Errors
+    /// [`Error::Numeric`] if the device fails.
+    pub fn show(&mut self, gpu: &Gpu, posed: &Skinned, draw_normals: &[Vec3], waves: &field::Waves) -> Result<()> {
+        let unified = posed.positions.iter().zip(&posed.normals).zip(&self.wavelength_m);
+        let unified =
+            unified.map(|((p, n), &wavelength_m)| Placed { position: (*p).into(), wavelength_m, normal: (*n).into(), unused: 0.0 });
+        let drawn = draw_normals.iter().map(|n| Placed { normal: (*n).into(), ..Placed::default() });
+        gpu.write(&self.posed, &unified.chain(drawn).collect::<Vec<_>>());
+        // Gather takes the amplitude as a share of W/4, which a solved one may well exceed.
+        let share = |v: usize| 4.0 * waves.amplitude_m[v] / self.wavelength_m[v];
+        let wave: Vec<[f32; 4]> = (0..waves.wave.len()).map(|v| [waves.wave[v].x, waves.wave[v].y, waves.wave[v].z, share(v)]).collect();
+        gpu.write(&self.wave, &wave);
+        gpu.write(&self.phase[self.current], &waves.phase);
+        self.ran = [false, false, false, true, false];
+        self.gather.run(gpu, &mut self.timer, 3, (0..self.batches.len()).map(|b| 2 * b + self.current))?;
+        gpu.check()
     }
 
     /// Replaces the directions of the last frame and the phases.

@@ -13,12 +13,12 @@ use plisse_live::gather::gather;
 use plisse_live::live::LiveOptions;
 use plisse_live::model::Model;
 use plisse_live::profile::Profile;
-use plisse_live::relax::{mismatch, relax};
+use plisse_live::relax::{mismatch, relax, spread};
 use plisse_live::shade::from_srgb;
 use plisse_live::skin::{Pose, Skinned, pose, skin};
 use plisse_live::texture::Texture;
 use plisse_live::unify::{Unified, fill_normals};
-use plisse_live::{Vec3, gltf_in, models, wrap};
+use plisse_live::{Vec3, field, gltf_in, models, wrap};
 
 /// Largest differences between a stage and its twin, given the same input.
 /// Positions, as a share of the model's size.
@@ -258,6 +258,42 @@ fn render_is_its_twin() {
             assert!(check_picture(&picture, &draw(&faces, &Look { profile: &pencil, ..look }, &camera, size)).is_err(), "{name}");
         }
     }
+}
+
+#[test]
+fn a_solved_field_is_shown_by_the_same_stage() {
+    let Some(gpu) = gpu() else { return };
+    let size = [200, 160];
+    // The square, pressed to three quarters, and the field of its own waves: as a solve would hand it over.
+    let subject = Subject::new(models::square().unwrap());
+    let (unified, now) = (&subject.unified, subject.pose(2.0));
+    let posed = skin(&unified.vertices, &now);
+    let input = CrushInput { wavelength_m: &[subject.wavelength_m], bias: &[], last_direction: &[] };
+    let crushed = crush(unified, &posed, &input);
+    let phase = spread(unified, &posed.positions, &crushed, &vec![0.3; unified.count()], &[]);
+    let topology = field::topology("square", unified).unwrap();
+    let solved = field::to_field(&topology, unified, &posed.positions, &crushed, &phase);
+    let waves = field::from_field(&topology, &posed, &solved);
+    let characters = [subject.character()];
+    let mut live = Live::new(&gpu, &characters).unwrap();
+    let drawn = skin(&subject.model.draw, &now);
+    live.show(&gpu, &posed, &drawn.normals, &waves).unwrap();
+    let (profile, texture) = (Profile::sine(), Texture::checked());
+    let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: true };
+    let camera = Camera::fit(posed.positions.iter(), 0.4, 0.2, size[0] as f32 / size[1] as f32);
+    let painter = Painter::new(&gpu, size, SAMPLES, &[&texture]).unwrap();
+    painter.draw(&gpu, &mut live, &camera, &look).unwrap();
+    let picture = painter.read(&gpu).unwrap();
+    let shown = |waves: &field::Waves| {
+        let crushed = Crushed { amplitude_m: waves.amplitude_m.clone(), wave: waves.wave.clone(), ..Crushed::default() };
+        draw(&gather(&subject.model, unified, &posed, &drawn, &crushed, &waves.phase), &look, &camera, size)
+    };
+    check_picture(&picture, &shown(&waves)).unwrap();
+    // Shown to fail: half the amplitude is another picture. And the field's waves are those it was made of.
+    let halved = field::Waves { amplitude_m: waves.amplitude_m.iter().map(|a| 0.5 * a).collect(), ..waves.clone() };
+    assert!(check_picture(&picture, &shown(&halved)).is_err());
+    let original = field::Waves { amplitude_m: crushed.amplitude_m.clone(), wave: crushed.wave.clone(), phase };
+    check_picture(&picture, &shown(&original)).unwrap();
 }
 
 #[test]

@@ -29,7 +29,7 @@ impl Texture {
     /// A checked cloth, eight checks along each side, for models without an image: it shows where the texture shifts.
     pub fn checked() -> Self {
         let size = 512;
-        let band = |i: usize| (i / 32) % 2 == 0;
+        let band = |i: usize| (i / 32).is_multiple_of(2);
         let thread = |i: usize| i % 32 < 2;
         let colour = |x: usize, y: usize| match (band(x), band(y)) {
             _ if thread(x) || thread(y) => [222, 200, 178, 255],
