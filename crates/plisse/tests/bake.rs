@@ -85,7 +85,8 @@ fn tangent_space_follows_turned_scaled_and_mirrored_texture() {
     // The sheet stands upright in space, three times as large; its wave runs along its own x.
     let place = |x: f64, y: f64| Vec3::new(0.0, 3.0 * x, 3.0 * y);
     let normal = Vec3::x();
-    let list: [(fn(f64, f64) -> Vec2, Vec2); 3] = [
+    type Unwrapping = fn(f64, f64) -> Vec2;
+    let list: [(Unwrapping, Vec2); 3] = [
         (|x, y| Vec2::new(0.1 + 0.5 * x, 0.2 + 0.5 * y), Vec2::new(1.0, 0.0)),
         (|x, y| Vec2::new(0.9 - 0.5 * y, 0.1 + 0.5 * x), Vec2::new(0.0, 1.0)),
         (|x, y| Vec2::new(0.9 - 0.5 * x, 0.1 + 0.5 * y), Vec2::new(-1.0, 0.0)),
