@@ -6,7 +6,7 @@ use super::schema::Scene;
 use crate::{Error, Result};
 
 /// Fields that each table must have, by the table's header. A test holds this list against the schema.
-const REQUIRED: [(&str, &[&str]); 15] = [
+const REQUIRED: [(&str, &[&str]); 19] = [
     ("", &["title", "material", "panel or mesh"]),
     ("material", &["young_pa", "poisson", "thickness_m"]),
     ("panel", &["name", "shape", "edge_length_m"]),
@@ -22,6 +22,10 @@ const REQUIRED: [(&str, &[&str]); 15] = [
     ("obstacle", &["name", "kind"]),
     ("obstacle.turn", &["axis", "angle_deg"]),
     ("measure", &["name", "kind"]),
+    ("growth", &["expansion", "wavelength_m"]),
+    ("growth.freeze.within_m", &["low", "high"]),
+    ("growth.count", &["name", "panel"]),
+    ("map of growth", &["kind", "low", "high"]),
 ];
 
 /// The scene in the file at `path`.
@@ -83,7 +87,8 @@ fn sentence(message: &str, table: &str, dotted: &str) -> String {
         let lists = |name: &str| REQUIRED.iter().find(|(t, fields)| *t == name && fields.contains(&missing));
         // An inline table is found by its dotted name, one of its own by its header.
         let rolled = (missing == "radius_m").then_some("panel.place, if rolled");
-        let found = rolled.and_then(lists).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
+        let map = (table.starts_with("growth") && dotted != table).then_some("map of growth");
+        let found = rolled.and_then(lists).or_else(|| map.and_then(lists)).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
         return found.map_or_else(
             || format!("the field {missing} is missing; add it"),
             |(name, fields)| {
