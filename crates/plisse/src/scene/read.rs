@@ -88,7 +88,8 @@ fn sentence(message: &str, table: &str, dotted: &str) -> String {
         // An inline table is found by its dotted name, one of its own by its header.
         let rolled = (missing == "radius_m").then_some("panel.place, if rolled");
         let map = (table.starts_with("growth") && dotted != table).then_some("map of growth");
-        let found = rolled.and_then(lists).or_else(|| map.and_then(lists)).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
+        let found =
+            rolled.and_then(lists).or_else(|| map.and_then(lists)).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
         return found.map_or_else(
             || format!("the field {missing} is missing; add it"),
             |(name, fields)| {

@@ -114,7 +114,10 @@ fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
             in_reach(&format!("{place}.centre_m"), &centre)?;
             positive(&format!("{place}.radius_m"), radius)?;
             if positive(&format!("{place}.width_m"), width)? >= 2.0 * radius {
-                return Err(Error::value(format!("{place}.width_m"), "the ring is wider than it is large; give less than twice its radius"));
+                return Err(Error::value(
+                    format!("{place}.width_m"),
+                    "the ring is wider than it is large; give less than twice its radius",
+                ));
             }
             if table.along.is_some() {
                 return Err(Error::value(format!("{place}.along"), "on a ring folds are counted around it; remove this"));

@@ -22,9 +22,7 @@ pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
         MapKind::Band => Procedure::Band { centre, normal: point(table.normal), width_m, soft_m },
         MapKind::Ring => Procedure::Ring { centre, axis, radius_m, width_m, soft_m },
         MapKind::Radial => Procedure::Radial { centre, axis, radius_m },
-        MapKind::Spots => {
-            Procedure::Spots { centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(), radius_m }
-        }
+        MapKind::Spots => Procedure::Spots { centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(), radius_m },
         MapKind::Noise => Procedure::Noise { size_m, seed },
         MapKind::Fractal => Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed },
         MapKind::Image | MapKind::Panels => return None,
@@ -65,9 +63,8 @@ fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> V
 fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
     let field = format!("{place}.file");
     let bytes = std::fs::read(path).map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
-    let image = Grey::new(&bytes).map_err(|what| {
-        Error::value(&field, format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display()))
-    })?;
+    let image = Grey::new(&bytes)
+        .map_err(|what| Error::value(&field, format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display())))?;
     let (coordinates, corners) = match &laid.texture {
         Some((coordinates, corners)) => (coordinates.clone(), corners.clone()),
         None if !laid.panels.is_empty() => {

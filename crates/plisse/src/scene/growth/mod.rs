@@ -113,8 +113,7 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
-    let grown =
-        BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps: table.steps, windows };
+    let grown = BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps: table.steps, windows };
     grown.growing().check()?;
     Ok(grown)
 }
@@ -205,7 +204,11 @@ mod tests {
         for (from, to, says) in [
             ("wavelength_m = 0.25", "wavelength_m = 0.05", "growth.wavelength_m: folds 5.000e-2 m apart need edges of"),
             ("wavelength_m = 0.25", "wavelength_m = -1", "give a positive number of metres"),
-            ("wavelength_m = 0.25", "wavelength_m = { kind = \"image\", file = \"none.png\", low = 1, high = 2 }", "none.png: reading failed"),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = { kind = \"image\", file = \"none.png\", low = 1, high = 2 }",
+                "none.png: reading failed",
+            ),
             ("wavelength_m = 0.25", "wavelength_m = { kind = \"spots\", low = 1, high = 2 }", "needs centres_m, radius_m"),
             ("wavelength_m = 0.25", "wavelength_m = 1\nwind = 3", "there is no field wind here"),
             (ramp, "{ kind = \"ramp\", low = 1, high = 2, size_m = 3 }", "this is missing; the kind \"ramp\" needs from_m, to_m"),
