@@ -15,15 +15,15 @@ use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::{Vec2, Vec3};
-use plisse::picture::{Image, Paint, PanelView, Subject};
+use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::rest::RestMetric;
 use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
 
 use crate::Done;
-use crate::arguments::{GrowArguments, Up};
-use crate::outputs::{CLOTH, CLOTH_SRGB, draw_panels, panel_texture};
+use crate::arguments::GrowArguments;
+use crate::outputs::{CLOTH, CLOTH_SRGB, draw_panels_by, panel_texture};
 use crate::progress::Bars;
 use crate::report::ending_name;
 use crate::road::{open_output_at, with_threads};
@@ -31,6 +31,9 @@ use report::{Report, Seconds};
 
 /// Share of the growth that is missing from which on it is worth a note.
 const SHORT: f64 = 0.97;
+
+/// Height over width below which a surface lies.
+const LYING: f64 = 0.1;
 
 /// Where Newton's steps go: the bar counts steps of growth instead.
 struct Watched<'a> {
@@ -205,7 +208,14 @@ fn picture(grown: &BuiltGrowth, asked: &RestMetric, pose: &[Vec3]) -> Result<Ima
         },
         PanelView { title: "Folded surface", subject: folded, paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false } },
     ];
-    Ok(draw_panels(&panels, pose, Up::Z, &grown.built.obstacles))
+    Ok(draw_panels_by(&panels, pose, &camera(start, pose), &grown.built.obstacles))
+}
+
+/// What lies is seen from aside, so that its folds stand out; all else from where it shows best.
+fn camera(start: &[Vec3], pose: &[Vec3]) -> Camera {
+    let (low, high) = start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let size = high - low;
+    if size.z < LYING * size.x.min(size.y) { Camera::fit(pose, Axis::Z, 20.0, 45.0) } else { Camera::automatic(pose, Axis::Z) }
 }
 
 /// How the last step ended; "converged" where there was none.

@@ -290,7 +290,11 @@ normal = [0.0, 0.0, 1.0]
     fn the_documents_example_runs_and_its_tables_name_every_field() {
         let manual = include_str!("../../../../docs/scene-format.md");
         let examples: Vec<&str> = manual.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-        let built: Vec<_> = examples.iter().map(|text| build(&parse("manual.toml", text).unwrap()).unwrap()).collect();
+        let scenes: Vec<_> = examples.iter().map(|text| parse("manual.toml", text).unwrap()).collect();
+        let (growing, solved): (Vec<_>, Vec<_>) = scenes.iter().partition(|scene| scene.growth.is_some());
+        assert_eq!(growing.len(), 1);
+        crate::scene::build_growth(growing[0]).unwrap();
+        let built: Vec<_> = solved.into_iter().map(|scene| build(scene).unwrap()).collect();
         assert_eq!(built.len(), 2);
         assert!(built[1].obstacles.len() == 1 && built[1].clamps.held().iter().all(|held| !held), "the second is hung at nothing");
         for (table, more) in [
@@ -313,6 +317,12 @@ normal = [0.0, 0.0, 1.0]
             ("field", "[field]\nzz = 1\n"),
             ("surface", "[surface]\nzz = 1\n"),
             ("measure", "[[measure]]\nzz = 1\n"),
+            ("growth", "[growth]\nzz = 1\n"),
+            ("growth.expansion", "[[growth.expansion]]\nzz = 1\n"),
+            ("direction of growth", "[[growth.expansion]]\ndirection = { zz = 1 }\n"),
+            ("a map", "[growth]\nbias = { zz = 1 }\n"),
+            ("growth.freeze", "[[growth.freeze]]\nzz = 1\n"),
+            ("growth.count", "[[growth.count]]\nzz = 1\n"),
         ] {
             let text = message(more);
             let names = text.split("(allowed are ").nth(1).unwrap_or_else(|| panic!("{text}")).trim_end_matches(')');
