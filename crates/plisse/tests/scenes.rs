@@ -24,8 +24,8 @@ const SCENES: [(&str, usize, usize); 11] = [
 const GROWING: [(&str, usize); 5] = [
     ("20-small-folds.toml", 2481),
     ("21-large-folds.toml", 1525),
-    ("22-gathers.toml", 2997),
-    ("23-rings.toml", 2400),
+    ("22-gathers.toml", 2201),
+    ("23-rings.toml", 2850),
     ("24-drape.toml", 2100),
 ];
 
