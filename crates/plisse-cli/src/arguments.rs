@@ -28,6 +28,12 @@ pub(crate) enum Command {
         the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and OpenGL have it. Texture coordinates must lie\n\
         within the unit square. Ctrl-C stops and keeps the frames that are done.")]
     Bake(BakeArguments),
+    /// Grow a scene file's surface as it says, and fold it up
+    #[command(after_help = "Example:\n  plisse grow examples/20-small-folds.toml -o out/folds\n\n\
+        Writes folded.obj, folded.glb, report.json and picture.png into DIR, and with --frames frame-0000.obj (the start), frame-0001.obj and\n\
+        so on, one for each step. The table [growth] of a scene is described in docs/scene-format.md; lengths are in metres (m), growth is a\n\
+        factor of length (no unit). Ctrl-C stops and writes what has grown so far.")]
+    Grow(GrowArguments),
     /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled geometry
     #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk --frames 60 -o out/walk\n  \
         plisse live shirt --wavelength 0.05 --export out/shirt.glb\n  plisse live --bench\n\n\
@@ -232,6 +238,28 @@ pub(crate) struct SolveArguments {
     pub(crate) scene: PathBuf,
     #[command(flatten)]
     pub(crate) output: OutputArguments,
+}
+
+#[derive(Args)]
+pub(crate) struct GrowArguments {
+    /// The scene file, with a table [growth]
+    #[arg(value_name = "SCENE.toml")]
+    pub(crate) scene: PathBuf,
+    /// Folder for the results [default: out/NAME, after the input file]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Steps of growth at least [default: what the scene says, or as many as folds need]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(crate) steps: Option<u32>,
+    /// Also write the surface after each step
+    #[arg(long)]
+    pub(crate) frames: bool,
+    /// Threads to use [default: one for each core]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) threads: Option<u32>,
+    /// Do not draw picture.png
+    #[arg(long)]
+    pub(crate) no_picture: bool,
 }
 
 #[derive(Args)]

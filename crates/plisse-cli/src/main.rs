@@ -4,6 +4,7 @@
 mod animated;
 mod arguments;
 mod bake;
+mod grow;
 mod interrupt;
 mod live;
 mod outputs;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
     let interrupted = interrupt::watch();
     let result = match arguments.command {
         Command::Bake(arguments) => bake::run(&arguments, &interrupted),
+        Command::Grow(arguments) => grow::run(&arguments, &interrupted),
         Command::Live(arguments) => live::run(&arguments, &interrupted),
         Command::Solve(arguments) => solve::run(&arguments, &interrupted),
         Command::Shell(arguments) => shell::run(&arguments, &interrupted),

@@ -100,6 +100,12 @@ pub(crate) fn draw_panels_at(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obs
     draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), size)
 }
 
+/// As [`draw_panels`], seen by this camera.
+pub(crate) fn draw_panels_by(panels: &[PanelView; 4], pose: &[Vec3], camera: &Camera, obstacles: &[Obstacle]) -> Image {
+    let bodies = bodies_around(pose, obstacles);
+    draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, camera, PICTURE_SIZE)
+}
+
 /// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
 pub(crate) fn picture(
     topology: &Topology,

@@ -42,7 +42,7 @@ impl<'a> Bars<'a> {
     /// A bar for `total` things that are done one by one, with an estimate of the time left; until finished.
     pub(crate) fn counter(&self, what: &'static str, total: usize) -> ProgressBar {
         self.finish();
-        let template = "{prefix:>8} {bar:30} {pos} of {len}, about {eta} left";
+        let template = "{prefix:>8} {bar:30} {pos} of {len}, about {eta} left {msg}";
         let style = ProgressStyle::with_template(template).expect("the template is right");
         ProgressBar::new(total as u64).with_style(style).with_prefix(what)
     }

@@ -1,7 +1,7 @@
 //! Expansion textures folded up by the variational mode: what the surface shows against what was asked.
 //!
-//! The clamped square has all four sides frozen; what is measured lies half a wavelength and more inside. The ignored tests are the same on
-//! finer meshes and with more folds: `cargo nextest run --cargo-profile quick -p plisse --run-ignored all growth`.
+//! The clamped square has all four sides frozen; what is measured lies half a wavelength and more inside. More folds, more growth and finer
+//! meshes take minutes: `cargo run --release -p plisse --example growth_study -- counts` prints them.
 
 mod sheets;
 
@@ -121,16 +121,6 @@ fn ten_folds_at_a_growth_of_1_5() {
 #[test]
 fn twenty_folds_at_a_growth_of_1_2() {
     Square::new(lattice(140, 12), 1.2, 20.0, 4.0).check();
-}
-
-#[test]
-#[ignore = "slow: minutes"]
-fn every_count_at_every_growth() {
-    for folds in [5.0, 10.0, 20.0] {
-        for growth in [1.2, 1.5, 2.0] {
-            Square::new(lattice(8 * folds as usize, 3 * folds as usize), growth, folds, 4.0).check();
-        }
-    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use plisse::mesh::NONE;
-use plisse::scene::{Built, build, read};
+use plisse::scene::{Built, build, build_growth, read};
 
 /// Vertices of each scene, as its comment or the paper says, and panels.
 const SCENES: [(&str, usize, usize); 11] = [
@@ -18,6 +18,15 @@ const SCENES: [(&str, usize, usize); 11] = [
     ("09-teabag.toml", 936, 2),
     ("10-bear.toml", 2000, 17),
     ("11-curtain.toml", 1350, 1),
+];
+
+/// Scenes that grow, and their vertices.
+const GROWING: [(&str, usize); 5] = [
+    ("20-small-folds.toml", 2481),
+    ("21-large-folds.toml", 1525),
+    ("22-gathers.toml", 2201),
+    ("23-rings.toml", 3272),
+    ("24-drape.toml", 2100),
 ];
 
 fn examples() -> PathBuf {
@@ -50,12 +59,13 @@ fn all_examples_are_listed_here() {
     let entries = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut there: Vec<String> = entries.filter(|name| name.ends_with(".toml")).collect();
     there.sort();
-    assert_eq!(there, SCENES.map(|(name, ..)| name.to_owned()));
+    let listed = SCENES.iter().map(|(name, ..)| *name).chain(GROWING.iter().map(|(name, _)| *name));
+    assert_eq!(there, listed.collect::<Vec<_>>());
 }
 
 #[test]
 fn every_example_opens_with_what_it_is() {
-    for (name, ..) in SCENES {
+    for name in SCENES.iter().map(|(name, ..)| *name).chain(GROWING.iter().map(|(name, _)| *name)) {
         assert!(std::fs::read_to_string(examples().join(name)).unwrap().starts_with("# "), "{name}");
     }
 }
@@ -71,6 +81,19 @@ fn every_example_is_one_surface_of_the_stated_size() {
         assert!(built.rest.area_m2() > 0.0 && built.rest.faces.iter().all(|f| f.area_m2 > 0.0), "{name}");
         assert!(built.material.check_thin(built.rest.area_m2()).is_ok(), "{name}");
         assert!(built.start.iter().flatten().all(|x| x.is_finite()), "{name}");
+    }
+}
+
+#[test]
+fn every_growing_example_can_grow_and_counts_its_folds() {
+    for (name, vertices) in GROWING {
+        let grown = build_growth(&read(examples().join(name)).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        let count = grown.built.topology.vertex_count;
+        assert!(count.abs_diff(vertices) * 10 <= vertices, "{name}: {count} vertices, not about {vertices}");
+        assert!(grown.growing().most_growth() > 0.1, "{name}");
+        // Ungrown, the surface is flat, and the windows lie on it.
+        let flat = grown.count(&grown.built.start, &grown.built.rest).unwrap();
+        assert!(!flat.is_empty() && flat.iter().all(|c| c.folds.is_none() && (c.length_reached - 1.0).abs() < 0.01), "{name}: {flat:?}");
     }
 }
 

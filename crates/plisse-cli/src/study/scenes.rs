@@ -1,9 +1,9 @@
-//! The scenes of `examples/`, built in so that studies run anywhere.
+//! The scenes of `examples/` that `plisse solve` takes, built in so that studies run anywhere.
 
 use plisse::Result;
 use plisse::scene::{Scene, parse};
 
-/// File name and text of every scene, in the order of their numbers.
+/// File name and text of every scene below 20, in the order of their numbers; from there on scenes grow, and no study has them.
 const SCENES: [(&str, &str); 11] = [
     ("01-twisted-cylinder.toml", include_str!("../../../../examples/01-twisted-cylinder.toml")),
     ("02-stretched-sheet.toml", include_str!("../../../../examples/02-stretched-sheet.toml")),
@@ -37,7 +37,7 @@ mod tests {
     fn every_example_is_built_in_and_can_be_read() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        let mut there: Vec<String> = files.filter(|name| name.ends_with(".toml")).collect();
+        let mut there: Vec<String> = files.filter(|name| name.ends_with(".toml") && name.as_str() < "20").collect();
         there.sort();
         assert_eq!(SCENES.map(|(name, _)| name.to_owned()).to_vec(), there);
         for number in 1..=SCENES.len() {

@@ -135,9 +135,12 @@ impl<'a> Growing<'a> {
         (0..9).map(|n| across(face[n / 3], &side(n % 3))).fold(0.0, f64::max)
     }
 
+    /// Whether it can grow at all; [`grow`] asks this first.
+    ///
     /// # Errors
-    /// [`Error::Value`] naming the map and the vertex whose value cannot be used.
-    fn check(&self) -> Result<()> {
+    /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too large for its folds, or if all is frozen;
+    /// [`Error::Mesh`] naming a vertex that starts in an obstacle.
+    pub fn check(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
             Some(v) => Err(Error::value(format!("growth.{name}"), format!("it is {} at vertex {v}; {mend}", values[v]))),
@@ -246,6 +249,8 @@ pub struct StepReport {
     pub ending: Ending,
     /// Largest force left on a vertex, in units of the force that starts folds on an edge.
     pub residual: f64,
+    /// The same force (N).
+    pub residual_newton: f64,
     /// Energy (J) of the film and its foundation.
     pub energy_joule: f64,
 }
@@ -280,6 +285,21 @@ pub fn grow_through(
     options: &GrowthOptions,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, GrowthReport)> {
+    grow_each(growing, parts, pose, options, observer, &mut |_, _| Ok(()))
+}
+
+/// As [`grow_through`]; `each` is told of every step and the pose (`[V]`, m) that it led to.
+///
+/// # Errors
+/// As [`grow`]; those of `each`.
+pub fn grow_each(
+    growing: &Growing<'_>,
+    parts: &[f64],
+    pose: &[Vec3],
+    options: &GrowthOptions,
+    observer: &dyn Observer,
+    each: &mut dyn FnMut(&StepReport, &[Vec3]) -> Result<()>,
+) -> Result<(Vec<Vec3>, GrowthReport)> {
     let begun = Instant::now();
     growing.check()?;
     let film = Prepared::new(growing, options)?;
@@ -294,6 +314,7 @@ pub fn grow_through(
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
         let report = film.settle(part, exactly(n, part), &expansion, &grown, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
+        each(&report, &pose)?;
         steps.push(report);
         if options.plasticity > 0.0 {
             forget(growing.topology, &grown, &pose, options.plasticity, &mut plastic);
@@ -444,6 +465,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             iterations: outcome.iterations,
             ending: outcome.ending,
             residual: outcome.projected_gradient / force,
+            residual_newton: outcome.projected_gradient * film.unit_joule() / film.length_m(),
             energy_joule: outcome.energy * film.unit_joule(),
         })
     }

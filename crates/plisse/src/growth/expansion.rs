@@ -128,6 +128,25 @@ impl Expansion {
         Ok(Self { vertices: (0..tensors.len()).map(vertex).collect::<Result<_>>()? })
     }
 
+    /// This growth, and `later` on what it has made: √τ·τ'·√τ at each vertex.
+    pub fn then(&self, later: &Self) -> Self {
+        let vertex = |(first, second): (&Growth, &Growth)| {
+            if second.form == Mat2::identity() {
+                return *first;
+            }
+            if first.form == Mat2::identity() {
+                return *second;
+            }
+            let turn = |a: &Vec3, b: &Vec3| Vec2::new(first.along.dot(a), first.across.dot(b));
+            let (along, across) = (second.along, second.across);
+            let turn = Mat2::from_columns(&[turn(&along, &along), turn(&across, &across)]);
+            let root = first.power(0.5).form;
+            let form = root * turn * second.form * turn.transpose() * root;
+            Growth { form: (form + form.transpose()) * 0.5, ..*first }
+        };
+        Self { vertices: self.vertices.iter().zip(&later.vertices).map(vertex).collect() }
+    }
+
     /// Whether nothing grows.
     pub fn is_none(&self) -> bool {
         self.vertices.iter().all(|growth| growth.form == Mat2::identity())
@@ -295,6 +314,21 @@ mod tests {
             assert!((mean_root(a, b) - numeric(a, b)).abs() < 1e-8);
         }
         assert_eq!(mean_root(1.0, 1.0), 1.0);
+    }
+
+    #[test]
+    fn growths_follow_each_other() {
+        let (topology, positions, rest) = sheet();
+        let n = positions.len();
+        let along = |d: Vec3, factor: f64| Expansion::from_directions(&topology, &positions, &vec![d; n], &vec![factor; n]).unwrap();
+        // Along x, then along y: the area grows by both, whatever frames they came in.
+        let both = along(Vec3::x(), 1.5).then(&along(Vec3::y(), 2.0));
+        let grown = both.act_on(&topology, &positions, &rest).unwrap();
+        assert!((grown.area_m2() / rest.area_m2() - 3.0).abs() < 1e-12);
+        let ([most, least], [direction, _]) = both.vertices[3].principal();
+        assert!((most - 2.0).abs() < 1e-12 && (least - 1.5).abs() < 1e-12 && direction.cross(&Vec3::y()).norm() < 1e-12);
+        let none = Expansion::none(&topology, &positions).unwrap();
+        assert_eq!((both.then(&none), none.then(&both)), (both.clone(), both));
     }
 
     #[test]

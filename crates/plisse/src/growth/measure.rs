@@ -51,6 +51,14 @@ impl Relief {
     /// # Errors
     /// [`Error::Value`] if the window reaches beyond the surface or holds fewer than 8 × 2 points.
     pub fn new(topology: &Topology, chart: &[Vec2], offset_m: &[f64], window: &Window, size: [usize; 2]) -> Result<Self> {
+        Self::from_corners(topology.faces.iter().map(|face| (face.map(|v| chart[v]), face.map(|v| offset_m[v]))), window, size)
+    }
+
+    /// As [`Relief::new`], from each face's corners in the chart (m) and their offsets (m): a chart may be cut, or repeat itself.
+    ///
+    /// # Errors
+    /// As [`Relief::new`].
+    pub fn from_corners(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2]) -> Result<Self> {
         let extent = window.high - window.low;
         if size[0] < 8 || size[1] < 2 || extent.min() <= 0.0 {
             return Err(Error::value(
@@ -60,8 +68,7 @@ impl Relief {
         }
         let spacing_m = [extent.x / (size[0] - 1) as f64, extent.y / (size[1] - 1) as f64];
         let mut grid = vec![f64::NAN; size[0] * size[1]];
-        for face in &topology.faces {
-            let [a, b, c] = face.map(|v| chart[v]);
+        for ([a, b, c], w) in faces {
             let double_area = (b - a).perp(&(c - a));
             if double_area == 0.0 {
                 continue;
@@ -80,7 +87,6 @@ impl Relief {
                     let u = (p - a).perp(&(c - a)) / double_area;
                     let v = (b - a).perp(&(p - a)) / double_area;
                     if u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9 {
-                        let w = face.map(|v| offset_m[v]);
                         grid[j * size[0] + i] = w[0] + u * (w[1] - w[0]) + v * (w[2] - w[0]);
                     }
                 }

@@ -12,6 +12,6 @@ pub mod measure;
 pub mod procedure;
 pub mod reference;
 
-pub use equilibrium::{Growing, GrowthOptions, GrowthReport, grow};
+pub use equilibrium::{Growing, GrowthOptions, GrowthReport, StepReport, grow, grow_each};
 pub use expansion::Expansion;
 pub use procedure::{Course, Procedure};

@@ -7,7 +7,7 @@ use super::laid::Laid;
 use super::measure::{Probe, Quantity, cut};
 use super::read::in_file;
 use super::schema::{MeasureKind, Rule, Scene};
-use super::{bodies, garment, hold, panels};
+use super::{bodies, garment, growth, hold, panels};
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
 use crate::mesh::{Topology, Vec2, Vec3};
@@ -28,7 +28,7 @@ pub struct Built {
     pub paper: String,
     /// Connectivity of the sewn surface.
     pub topology: Topology,
-    /// `[F]` rest metric.
+    /// `[F]` rest metric; grown, if the scene grows.
     pub rest: RestMetric,
     /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z = 0; or of a mesh's rest shape.
     pub rest_positions: Vec<Vec3>,
@@ -108,6 +108,19 @@ pub fn build(scene: &Scene) -> Result<Built> {
 }
 
 fn build_unplaced(scene: &Scene) -> Result<Built> {
+    let laid = lay(scene)?;
+    let mut rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
+    if let Some(table) = &scene.growth {
+        rest = growth::maps::expansion(scene, table, &laid)?.act_on(&laid.topology, &laid.start, &rest)?;
+    }
+    let clamps = hold::clamps(scene, &laid)?;
+    let loads = hold::loads(scene, &laid)?;
+    hold::check_held(scene, &laid, &rest, &clamps, &loads)?;
+    assemble(scene, laid, rest, clamps, loads)
+}
+
+/// The surface in space.
+pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     let mut laid = match &scene.mesh {
         Some(table) => garment::lay(scene, table)?,
         None => panels::lay(scene)?,
@@ -116,10 +129,11 @@ fn build_unplaced(scene: &Scene) -> Result<Built> {
         laid.check_closed()?;
         laid.turn_outside_out(&scene.file.display().to_string())?;
     }
-    let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
-    let clamps = hold::clamps(scene, &laid)?;
-    let loads = hold::loads(scene, &laid)?;
-    hold::check_held(scene, &laid, &rest, &clamps, &loads)?;
+    Ok(laid)
+}
+
+/// All that is left to make of the scene.
+pub(super) fn assemble(scene: &Scene, laid: Laid, rest: RestMetric, clamps: Clamps, loads: Loads) -> Result<Built> {
     Ok(Built {
         title: scene.title.clone(),
         paper: scene.paper.clone(),

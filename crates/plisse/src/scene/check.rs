@@ -2,7 +2,7 @@
 
 use super::panels::{check_panel, side_names};
 use super::schema::{MeasureKind, Scene};
-use super::{bodies, garment, hold};
+use super::{bodies, garment, growth, hold};
 use crate::field::Terms;
 use crate::material::Material;
 use crate::mesh::Vec3;
@@ -57,6 +57,9 @@ impl Scene {
         hold::check(self)?;
         bodies::check(self)?;
         self.check_options()?;
+        if let Some(table) = &self.growth {
+            growth::check::check(self, table)?;
+        }
         self.check_measures()
     }
 
@@ -102,7 +105,7 @@ impl Scene {
         all.take(4).collect()
     }
 
-    fn no_panel(&self, field: &str, name: &str) -> Error {
+    pub(super) fn no_panel(&self, field: &str, name: &str) -> Error {
         if self.panel.is_empty() {
             return Error::value(field, format!("a mesh has no panels, so there is no \"{name}\"; remove this, or give panels"));
         }
@@ -236,7 +239,7 @@ pub(super) fn in_reach(field: &str, values: &[f64]) -> Result<()> {
     }
 }
 
-fn within(field: &str, value: Option<usize>, low: usize, high: usize) -> Result<()> {
+pub(super) fn within(field: &str, value: Option<usize>, low: usize, high: usize) -> Result<()> {
     match value {
         Some(value) if !(low..=high).contains(&value) => {
             Err(Error::value(field, format!("{value} is out of range; give a whole number from {low} to {high}")))

@@ -15,18 +15,18 @@ const BOX_TOLERANCE: f64 = 1e-9;
 /// Loads whose sum is less than this part of them hold each other.
 const BALANCE: f64 = 1e-9;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Which vertices a clamp or a force takes hold of.
 #[derive(Clone, Copy)]
-enum Grip<'a> {
+pub(super) enum Grip<'a> {
     Side(&'a str),
     Near([f64; 3]),
     Within(BoxTable),
 }
 
 impl<'a> Grip<'a> {
-    fn new(place: &str, side: Option<&'a str>, near_m: Option<[f64; 3]>, within_m: Option<BoxTable>) -> Result<Self> {
+    pub(super) fn new(place: &str, side: Option<&'a str>, near_m: Option<[f64; 3]>, within_m: Option<BoxTable>) -> Result<Self> {
         let given: Vec<Self> = [side.map(Self::Side), near_m.map(Self::Near), within_m.map(Self::Within)].into_iter().flatten().collect();
         match given[..] {
             [grip] => Ok(grip),
@@ -43,7 +43,7 @@ impl<'a> Grip<'a> {
         Self::new(&format!("force[{i}]"), force.side.as_deref(), force.near_m, force.within_m)
     }
 
-    fn check(&self, scene: &Scene, place: &str) -> Result<()> {
+    pub(super) fn check(&self, scene: &Scene, place: &str) -> Result<()> {
         match self {
             Self::Side(side) => scene.side(&format!("{place}.side"), side).map(|_| ()),
             Self::Near(point) => in_reach(&format!("{place}.near_m"), point),
@@ -72,7 +72,7 @@ impl<'a> Grip<'a> {
     }
 
     /// The vertices, each with its share of a force; the shares add up to 1. A vertex that a side passes twice is there twice.
-    fn vertices(&self, scene: &Scene, laid: &Laid, place: &str) -> Result<Vec<(usize, f64)>> {
+    pub(super) fn vertices(&self, scene: &Scene, laid: &Laid, place: &str) -> Result<Vec<(usize, f64)>> {
         match self {
             Self::Side(reference) => {
                 let side = laid.side(scene, &format!("{place}.side"), reference)?;
@@ -117,12 +117,7 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
     for (i, clamp) in scene.clamp.iter().enumerate() {
         let place = format!("clamp[{i}]");
         Grip::of_clamp(i, clamp)?.check(scene, &place)?;
-        let letters: Vec<char> = clamp.axes.chars().collect();
-        let twice = letters.iter().enumerate().any(|(k, c)| letters[..k].contains(c));
-        if letters.is_empty() || twice || letters.iter().any(|c| !"xyz".contains(*c)) {
-            let message = format!("\"{}\" names no axes; give some of the letters x, y and z, each once", clamp.axes);
-            return Err(Error::value(format!("{place}.axes"), message));
-        }
+        check_axes(&place, &clamp.axes)?;
         in_reach(&format!("{place}.move_m"), &clamp.move_m)?;
         if let Some(turn) = &clamp.turn {
             direction(&format!("{place}.turn.axis"), turn.axis)?;
@@ -134,6 +129,17 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         let place = format!("force[{i}]");
         Grip::of_force(i, force)?.check(scene, &place)?;
         in_reach(&format!("{place}.newton"), &force.newton)?;
+    }
+    Ok(())
+}
+
+/// Refuses what is no list of axes.
+pub(super) fn check_axes(place: &str, axes: &str) -> Result<()> {
+    let letters: Vec<char> = axes.chars().collect();
+    let twice = letters.iter().enumerate().any(|(k, c)| letters[..k].contains(c));
+    if letters.is_empty() || twice || letters.iter().any(|c| !"xyz".contains(*c)) {
+        let message = format!("\"{axes}\" names no axes; give some of the letters x, y and z, each once");
+        return Err(Error::value(format!("{place}.axes"), message));
     }
     Ok(())
 }

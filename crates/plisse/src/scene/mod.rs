@@ -2,12 +2,14 @@
 //!
 //! [`schema`] is the file's content, [`read`](mod@read) turns text into it and tells what is wrong in words, [`mod@build`] makes
 //! surface, start pose, clamps and loads of it, [`measure`](mod@measure) compares a solved field with what was published.
+//! [`growth`] does the same for a surface that grows.
 //! `docs/scene-format.md` describes every field.
 
 mod bodies;
 pub mod build;
 mod check;
 mod garment;
+pub mod growth;
 mod hold;
 mod laid;
 pub mod measure;
@@ -19,6 +21,7 @@ pub mod schema;
 
 pub use build::{Built, BuiltPanel, build};
 pub use check::MOST_LEVELS;
+pub use growth::{BuiltGrowth, build_growth};
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use measure_shell::measure_shell;
 pub use read::{parse, read};

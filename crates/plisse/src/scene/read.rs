@@ -6,7 +6,7 @@ use super::schema::Scene;
 use crate::{Error, Result};
 
 /// Fields that each table must have, by the table's header. A test holds this list against the schema.
-const REQUIRED: [(&str, &[&str]); 15] = [
+const REQUIRED: [(&str, &[&str]); 19] = [
     ("", &["title", "material", "panel or mesh"]),
     ("material", &["young_pa", "poisson", "thickness_m"]),
     ("panel", &["name", "shape", "edge_length_m"]),
@@ -22,6 +22,10 @@ const REQUIRED: [(&str, &[&str]); 15] = [
     ("obstacle", &["name", "kind"]),
     ("obstacle.turn", &["axis", "angle_deg"]),
     ("measure", &["name", "kind"]),
+    ("growth", &["expansion", "wavelength_m"]),
+    ("growth.freeze.within_m", &["low", "high"]),
+    ("growth.count", &["name", "panel"]),
+    ("map of growth", &["kind", "low", "high"]),
 ];
 
 /// The scene in the file at `path`.
@@ -83,7 +87,9 @@ fn sentence(message: &str, table: &str, dotted: &str) -> String {
         let lists = |name: &str| REQUIRED.iter().find(|(t, fields)| *t == name && fields.contains(&missing));
         // An inline table is found by its dotted name, one of its own by its header.
         let rolled = (missing == "radius_m").then_some("panel.place, if rolled");
-        let found = rolled.and_then(lists).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
+        let map = (table.starts_with("growth") && dotted != table).then_some("map of growth");
+        let found =
+            rolled.and_then(lists).or_else(|| map.and_then(lists)).or_else(|| lists(dotted)).or_else(|| lists(table)).or_else(|| lists(""));
         return found.map_or_else(
             || format!("the field {missing} is missing; add it"),
             |(name, fields)| {
@@ -284,7 +290,11 @@ normal = [0.0, 0.0, 1.0]
     fn the_documents_example_runs_and_its_tables_name_every_field() {
         let manual = include_str!("../../../../docs/scene-format.md");
         let examples: Vec<&str> = manual.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
-        let built: Vec<_> = examples.iter().map(|text| build(&parse("manual.toml", text).unwrap()).unwrap()).collect();
+        let scenes: Vec<_> = examples.iter().map(|text| parse("manual.toml", text).unwrap()).collect();
+        let (growing, solved): (Vec<_>, Vec<_>) = scenes.iter().partition(|scene| scene.growth.is_some());
+        assert_eq!(growing.len(), 1);
+        crate::scene::build_growth(growing[0]).unwrap();
+        let built: Vec<_> = solved.into_iter().map(|scene| build(scene).unwrap()).collect();
         assert_eq!(built.len(), 2);
         assert!(built[1].obstacles.len() == 1 && built[1].clamps.held().iter().all(|held| !held), "the second is hung at nothing");
         for (table, more) in [
@@ -307,6 +317,12 @@ normal = [0.0, 0.0, 1.0]
             ("field", "[field]\nzz = 1\n"),
             ("surface", "[surface]\nzz = 1\n"),
             ("measure", "[[measure]]\nzz = 1\n"),
+            ("growth", "[growth]\nzz = 1\n"),
+            ("growth.expansion", "[[growth.expansion]]\nzz = 1\n"),
+            ("direction of growth", "[[growth.expansion]]\ndirection = { zz = 1 }\n"),
+            ("a map", "[growth]\nbias = { zz = 1 }\n"),
+            ("growth.freeze", "[[growth.freeze]]\nzz = 1\n"),
+            ("growth.count", "[[growth.count]]\nzz = 1\n"),
         ] {
             let text = message(more);
             let names = text.split("(allowed are ").nth(1).unwrap_or_else(|| panic!("{text}")).trim_end_matches(')');

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 
+pub use super::growth::schema::GrowthTable;
+
 /// A scene file.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -56,6 +58,8 @@ pub struct Scene {
     /// What to measure on the result.
     #[serde(default)]
     pub measure: Vec<MeasureTable>,
+    /// How it grows.
+    pub growth: Option<GrowthTable>,
 }
 
 /// `[material]`: see [`crate::material::Material`].

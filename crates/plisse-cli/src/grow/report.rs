@@ -1,0 +1,149 @@
+//! report.json of `plisse grow` and its short table on the terminal: the same figures.
+
+use plisse::growth::GrowthReport;
+use plisse::growth::measure::Reached;
+use plisse::mesh::Vec3;
+use plisse::scene::BuiltGrowth;
+use plisse::scene::growth::Counted;
+use serde::Serialize;
+
+/// What a run found. Field names carry the units.
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) plisse: &'static str,
+    pub(super) title: String,
+    /// What the scene says was published about it.
+    pub(super) paper: Option<String>,
+    pub(super) vertices: usize,
+    pub(super) faces: usize,
+    /// Vertices that are frozen along some axis.
+    pub(super) frozen_vertices: usize,
+    pub(super) area_start_m2: f64,
+    pub(super) area_asked_m2: f64,
+    pub(super) area_m2: f64,
+    /// Mean over the faces that grow and touch nothing frozen, of length over asked length along the growth; null if there are none.
+    pub(super) length_reached: Option<f64>,
+    pub(super) steps: Vec<StepSummary>,
+    /// How the last step ended.
+    pub(super) ending: &'static str,
+    /// Largest force that is left on a vertex, in units of the force that starts folds on an edge.
+    pub(super) residual: f64,
+    pub(super) residual_newton: f64,
+    pub(super) tolerance: f64,
+    pub(super) offset_min_m: f64,
+    pub(super) offset_max_m: f64,
+    pub(super) folds: Vec<Counted>,
+    pub(super) frames: usize,
+    pub(super) notes: Vec<String>,
+    pub(super) seconds: Seconds,
+}
+
+#[derive(Serialize)]
+pub(super) struct StepSummary {
+    /// Part of the growth (0 to 1).
+    pub(super) part: f64,
+    pub(super) iterations: usize,
+    pub(super) ending: &'static str,
+    pub(super) residual: f64,
+    pub(super) energy_joule: f64,
+}
+
+#[derive(Default, Serialize)]
+pub(super) struct Seconds {
+    /// Of reading and building the scene.
+    pub(super) setup: f64,
+    pub(super) grow: f64,
+    pub(super) measure: f64,
+    pub(super) picture: f64,
+    pub(super) files: f64,
+    pub(super) total: f64,
+}
+
+impl Report {
+    pub(super) fn new(grown: &BuiltGrowth, pose: &[Vec3], found: &GrowthReport, reached: Option<Reached>, folds: Vec<Counted>) -> Self {
+        let built = &grown.built;
+        let area = |positions: &[Vec3]| -> f64 {
+            let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
+            built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
+        };
+        let offsets = plisse::growth::measure::offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
+        let last = found.steps.last();
+        Self {
+            plisse: env!("CARGO_PKG_VERSION"),
+            title: built.title.clone(),
+            paper: Some(built.paper.clone()).filter(|paper| !paper.is_empty()),
+            vertices: built.topology.vertex_count,
+            faces: built.topology.face_count(),
+            frozen_vertices: grown.frozen.iter().filter(|axes| axes.contains(&true)).count(),
+            area_start_m2: area(&built.start),
+            area_asked_m2: found.asked.area_m2(),
+            area_m2: area(pose),
+            length_reached: reached.map(|r| r.length),
+            steps: found
+                .steps
+                .iter()
+                .map(|step| StepSummary {
+                    part: step.part,
+                    iterations: step.iterations,
+                    ending: crate::report::ending_name(step.ending),
+                    residual: step.residual,
+                    energy_joule: step.energy_joule,
+                })
+                .collect(),
+            ending: super::ending(found),
+            residual: last.map_or(0.0, |step| step.residual),
+            residual_newton: last.map_or(0.0, |step| step.residual_newton),
+            tolerance: grown.options.tolerance,
+            offset_min_m: offsets.iter().copied().fold(0.0, f64::min),
+            offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
+            folds,
+            frames: 0,
+            notes: Vec::new(),
+            seconds: Seconds::default(),
+        }
+    }
+
+    /// The table for the terminal, one figure a line.
+    pub(super) fn table(&self) -> String {
+        let mut table = format!("{}\n", self.title);
+        let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
+        if let Some(paper) = &self.paper {
+            row("published", paper.clone());
+        }
+        row("mesh", format!("{} vertices, {} faces, {} vertices frozen", self.vertices, self.faces, self.frozen_vertices));
+        let iterations: usize = self.steps.iter().map(|step| step.iterations).sum();
+        let residual = self.residual;
+        row("growth", format!("{} steps, {iterations} iterations, {}, residual {residual:.1e}", self.steps.len(), self.ending));
+        let reached = self.area_m2 / self.area_asked_m2;
+        let (start, asked, area) = (self.area_start_m2, self.area_asked_m2, self.area_m2);
+        row("area", format!("from {start:.4e} to {area:.4e} of {asked:.4e} m² ({:.1} %)", 100.0 * reached));
+        if let Some(length) = self.length_reached {
+            row("length", format!("{:.1} % of what was asked, where nothing is frozen", 100.0 * length));
+        }
+        row("offset", format!("from {:.4e} to {:.4e} m", self.offset_min_m, self.offset_max_m));
+        for count in &self.folds {
+            row(
+                &count.name,
+                match (count.folds, count.wavelength_m, count.peak_width) {
+                    (Some(folds), Some(wavelength), Some(width)) => format!(
+                        "{folds:.1} folds, {wavelength:.4e} m apart ({:.4e} m asked), peak {:.0} % wide, crests straight on {:.0} %, length {:.1} %",
+                        count.asked_wavelength_m,
+                        100.0 * width,
+                        100.0 * count.crests_within_10_deg,
+                        100.0 * count.length_reached
+                    ),
+                    _ => "nothing folds".to_owned(),
+                },
+            );
+        }
+        let s = &self.seconds;
+        row(
+            "seconds",
+            format!("setup {:.3}, grow {:.3}, picture {:.3}, files {:.3}, total {:.3}", s.setup, s.grow, s.picture, s.files, s.total),
+        );
+        for note in &self.notes {
+            table += &format!("  note: {note}\n");
+        }
+        table
+    }
+}

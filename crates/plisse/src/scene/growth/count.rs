@@ -1,0 +1,154 @@
+//! Folds counted in windows of panels, and what was reached there.
+
+use serde::Serialize;
+
+use super::BuiltGrowth;
+use super::schema::{GrowthTable, PanelAxis};
+use crate::growth::measure::{Reached, Relief, Window, offsets_m, reached};
+use crate::mesh::{Vec2, Vec3};
+use crate::rest::RestMetric;
+use crate::scene::laid::Laid;
+use crate::{Error, Result};
+
+/// Points of the window to a wavelength along the growth, and rows across.
+const POINTS: (f64, usize) = (24.0, 41);
+/// Fewest and most points along the growth.
+const SIZES: [f64; 2] = [64.0, 1200.0];
+/// Growth (factor of length) from which on a face counts as one that grows.
+const GROWS: f64 = 1.001;
+
+/// A window, on a chart whose first length (m) runs across the folds.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    name: String,
+    window: Window,
+    /// Faces, their corners in the chart.
+    faces: Vec<(usize, [Vec2; 3])>,
+}
+
+/// What stands in one window. Field names carry the units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Counted {
+    /// Name of the window.
+    pub name: String,
+    /// λ asked for (m), mean over the window.
+    pub asked_wavelength_m: f64,
+    /// Spacing of the folds on the starting surface (m), by the peak of their spectrum; none where nothing folds.
+    pub wavelength_m: Option<f64>,
+    /// Folds across the window.
+    pub folds: Option<f64>,
+    /// Width of the peak at half its height, over its place.
+    pub peak_width: Option<f64>,
+    /// Share of the window where crests run within 10° of perpendicular to the growth.
+    pub crests_within_10_deg: f64,
+    /// How far crests run straight (m): where half of the correlation is left.
+    pub correlation_m: Option<f64>,
+    /// Root of the mean square offset (m).
+    pub roughness_m: f64,
+    /// Length reached along the growth, over the one asked for.
+    pub length_reached: f64,
+    /// Area reached, over the one asked for.
+    pub area_reached: f64,
+}
+
+/// The windows of the scene.
+pub(super) fn places(table: &GrowthTable, laid: &Laid) -> Result<Vec<Place>> {
+    let mut places = Vec::new();
+    for (i, count) in table.count.iter().enumerate() {
+        let Some(panel) = laid.panels.iter().find(|panel| panel.name == count.panel) else { continue };
+        let corners = |f: usize| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy());
+        let place = match (count.low_m, count.high_m, count.centre_m, count.radius_m, count.width_m) {
+            (Some(low), Some(high), ..) => {
+                let turned = count.along == Some(PanelAxis::Y);
+                let chart = |p: Vec2| if turned { Vec2::new(p.y, p.x) } else { p };
+                let window = Window { low: chart(low.into()), high: chart(high.into()) };
+                Place { name: count.name.clone(), window, faces: panel.faces.clone().map(|f| (f, corners(f).map(chart))).collect() }
+            }
+            (_, _, Some(centre), Some(radius), Some(width)) => {
+                let round = std::f64::consts::TAU * radius;
+                let window = Window { low: Vec2::new(0.0, radius - 0.5 * width), high: Vec2::new(round, radius + 0.5 * width) };
+                let mut faces = Vec::new();
+                for f in panel.faces.clone() {
+                    let polar = corners(f).map(|p| p - Vec2::from(centre)).map(|d| Vec2::new(d.y.atan2(d.x) * radius, d.norm()));
+                    // Each face in one piece, and again one turn further on.
+                    let whole = polar.map(|p| Vec2::new(p.x - round * ((p.x - polar[0].x) / round).round(), p.y));
+                    for turn in [0.0, 1.0] {
+                        faces.push((f, whole.map(|p| Vec2::new(p.x + turn * round, p.y))));
+                    }
+                }
+                Place { name: count.name.clone(), window, faces }
+            }
+            _ => continue,
+        };
+        // That the window lies on the panel is found before anything has grown.
+        let flat = place.faces.iter().map(|&(_, corners)| (corners, [0.0; 3]));
+        Relief::from_corners(flat, &place.window, [SIZES[0] as usize, POINTS.1]).map_err(|error| match error {
+            Error::Value { message, .. } => Error::value(format!("growth.count[{i}]"), message),
+            other => other,
+        })?;
+        places.push(place);
+    }
+    Ok(places)
+}
+
+impl BuiltGrowth {
+    /// Counts the folds of `pose` (`[V]`, m), of which the metric `asked` was asked.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`] if the starting surface has no normal somewhere.
+    pub fn count(&self, pose: &[Vec3], asked: &RestMetric) -> Result<Vec<Counted>> {
+        let topology = &self.built.topology;
+        let offset = offsets_m(topology, &self.built.start, pose)?;
+        let along = self.along();
+        let mut counted = Vec::new();
+        for place in &self.windows {
+            let Window { low, high } = place.window;
+            let inside = |p: &Vec2| (0..2).all(|axis| (low[axis]..=high[axis]).contains(&p[axis]));
+            let mut within = vec![false; topology.face_count()];
+            place.faces.iter().filter(|(_, corners)| corners.iter().all(inside)).for_each(|&(f, _)| within[f] = true);
+            let faces: Vec<usize> = (0..within.len()).filter(|&f| within[f]).collect();
+            let waves = faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.wavelength_m[v]);
+            let asked_wavelength_m = waves.sum::<f64>() / (3 * faces.len()).max(1) as f64;
+            let extent = (high - low).x;
+            let points = (POINTS.0 * extent / asked_wavelength_m).clamp(SIZES[0], SIZES[1]);
+            let corners = place.faces.iter().map(|&(f, corners)| (corners, topology.faces[f].map(|v| offset[v])));
+            let relief = Relief::from_corners(corners, &place.window, [points as usize, POINTS.1])?;
+            let folds = relief.folds();
+            let got = reached(topology, &self.built.start, asked, pose, &along, |f| within[f]);
+            counted.push(Counted {
+                name: place.name.clone(),
+                asked_wavelength_m,
+                wavelength_m: folds.map(|f| f.wavelength_m),
+                folds: folds.map(|f| extent / f.wavelength_m),
+                peak_width: folds.map(|f| f.width),
+                crests_within_10_deg: relief.crests_within(10_f64.to_radians(), 0.5 * asked_wavelength_m),
+                correlation_m: relief.correlation_m(),
+                roughness_m: relief.roughness_m(),
+                length_reached: got.length,
+                area_reached: got.area,
+            });
+        }
+        Ok(counted)
+    }
+
+    /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if there is no such face.
+    pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<Reached> {
+        let free = |v: usize| self.frozen[v] == [false; 3];
+        let counts = |f: usize| {
+            let face = self.built.topology.faces[f];
+            face.into_iter().all(free) && face.into_iter().any(|v| self.expansion.vertices[v].principal().0[0] > GROWS)
+        };
+        let any = (0..self.built.topology.face_count()).any(counts);
+        any.then(|| reached(&self.built.topology, &self.built.start, asked, pose, &self.along(), counts))
+    }
+
+    /// `[F]` the direction along which the corner that grows most does.
+    fn along(&self) -> Vec<Vec3> {
+        let of = |face: &[usize; 3]| {
+            let corners = face.map(|v| self.expansion.vertices[v].principal());
+            let most = (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
+            corners[most].1[0]
+        };
+        self.built.topology.faces.iter().map(of).collect()
+    }
+}

@@ -1,0 +1,177 @@
+//! From tables to one number, one direction or one expansion for each vertex.
+
+use std::path::Path;
+
+use super::schema::{AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable};
+use crate::bake::islands::side_by_side;
+use crate::growth::{Course, Expansion, Procedure};
+use crate::mesh::{Mat2, Vec2, Vec3};
+use crate::scene::garment::beside;
+use crate::scene::laid::Laid;
+use crate::scene::schema::Scene;
+use crate::{Error, Result};
+
+/// The procedure of a checked `table`; `None` for an image and for panels.
+pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
+    let point = |p: Option<[f64; 3]>| Vec3::from(p.unwrap_or_default());
+    let (centre, axis, seed) = (point(table.centre_m), point(table.axis), table.seed.unwrap_or(1));
+    let length = |x: Option<f64>| x.unwrap_or_default();
+    let (radius_m, width_m, soft_m, size_m) = (length(table.radius_m), length(table.width_m), length(table.soft_m), length(table.size_m));
+    Some(match table.kind {
+        MapKind::Ramp => Procedure::Ramp { from: point(table.from_m), to: point(table.to_m) },
+        MapKind::Band => Procedure::Band { centre, normal: point(table.normal), width_m, soft_m },
+        MapKind::Ring => Procedure::Ring { centre, axis, radius_m, width_m, soft_m },
+        MapKind::Radial => Procedure::Radial { centre, axis, radius_m },
+        MapKind::Spots => Procedure::Spots { centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(), radius_m },
+        MapKind::Noise => Procedure::Noise { size_m, seed },
+        MapKind::Fractal => Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed },
+        MapKind::Image | MapKind::Panels => return None,
+    })
+}
+
+/// `[V]` values of the map that `place` has.
+pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Result<Vec<f64>> {
+    let table = match map {
+        MapTable::Number(value) => return Ok(vec![*value; laid.start.len()]),
+        MapTable::Procedure(table) => table,
+    };
+    if let Some(procedure) = procedure(table) {
+        return Ok(procedure.map(&laid.start, table.low, table.high));
+    }
+    let shares = match (&table.file, &table.shares) {
+        (Some(file), _) => image_shares(laid, place, &beside(scene, file))?,
+        (None, shares) => {
+            let of_panel = |p: usize| shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default();
+            let faces = laid.panels.iter().enumerate().flat_map(|(p, panel)| panel.faces.clone().map(move |f| (f, p)));
+            mean_of_corners(laid, faces.flat_map(|(f, p)| laid.topology.faces[f].map(|v| (v, of_panel(p)))))
+        }
+    };
+    Ok(shares.into_iter().map(|share| table.low + (table.high - table.low) * share).collect())
+}
+
+/// `[V]` mean of the values given for each vertex; 0 where there is none.
+fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); laid.start.len()];
+    for (v, value) in values {
+        sums[v].0 += value;
+        sums[v].1 += 1.0;
+    }
+    sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
+}
+
+/// `[V]` values (0 to 1) of the first channel of a PNG file, through the texture coordinates; the mean where a seam meets.
+fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
+    let field = format!("{place}.file");
+    let bytes = std::fs::read(path).map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
+    let image = Grey::new(&bytes)
+        .map_err(|what| Error::value(&field, format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display())))?;
+    let (coordinates, corners) = match &laid.texture {
+        Some((coordinates, corners)) => (coordinates.clone(), corners.clone()),
+        None if !laid.panels.is_empty() => {
+            let flat: Vec<Vec2> = laid.rest_positions.iter().map(|p| p.xy()).collect();
+            (side_by_side(&flat, &laid.rest_faces), laid.rest_faces.clone())
+        }
+        None => {
+            let message = "the mesh has no texture coordinates (vt), by which the image would lie on it; export them, or use another kind";
+            return Err(Error::value(field, message));
+        }
+    };
+    let each = laid.topology.faces.iter().zip(&corners);
+    Ok(mean_of_corners(laid, each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&coordinates[uv[k]]))))))
+}
+
+/// First channel of an image, 0 to 1 as the numbers stand in the file.
+struct Grey {
+    width: usize,
+    height: usize,
+    values: Vec<f64>,
+}
+
+impl Grey {
+    fn new(bytes: &[u8]) -> std::result::Result<Self, String> {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+        let mut data = vec![0; reader.output_buffer_size().ok_or("too large")?];
+        let info = reader.next_frame(&mut data).map_err(|e| e.to_string())?;
+        let wide = info.bit_depth == png::BitDepth::Sixteen;
+        let step = info.color_type.samples() * if wide { 2 } else { 1 };
+        let value = |pixel: &[u8]| {
+            if wide { f64::from(u16::from_be_bytes([pixel[0], pixel[1]])) / 65535.0 } else { f64::from(pixel[0]) / 255.0 }
+        };
+        let (width, height) = (info.width as usize, info.height as usize);
+        Ok(Self { width, height, values: data.chunks_exact(step).take(width * height).map(value).collect() })
+    }
+
+    /// At a texture coordinate (v up), joined linearly between pixel centres, held at the rims.
+    fn at(&self, uv: &Vec2) -> f64 {
+        let place = |t: f64, count: usize| {
+            let x = (t * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+            let low = x.floor();
+            (low as usize, (low as usize + 1).min(count - 1), x - low)
+        };
+        let ((left, right, s), (top, bottom, t)) = (place(uv.x, self.width), place(1.0 - uv.y, self.height));
+        let row = |y: usize| self.values[y * self.width + left] * (1.0 - s) + self.values[y * self.width + right] * s;
+        row(top) * (1.0 - t) + row(bottom) * t
+    }
+}
+
+/// All expansions of the scene, one after the other.
+pub(in crate::scene) fn expansion(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Expansion> {
+    let mut whole = Expansion::none(&laid.topology, &laid.start)?;
+    for (i, one) in table.expansion.iter().enumerate() {
+        whole = whole.then(&single(scene, laid, &format!("growth.expansion[{i}]"), one)?);
+    }
+    Ok(whole)
+}
+
+fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Result<Expansion> {
+    let n = laid.start.len();
+    let within = match table.panel.as_ref().and_then(|name| laid.panels.iter().find(|panel| panel.name == *name)) {
+        Some(panel) => {
+            let mut within = vec![false; n];
+            panel.faces.clone().flat_map(|f| laid.topology.faces[f]).for_each(|v| within[v] = true);
+            within
+        }
+        None => vec![true; n],
+    };
+    let factors = |name: &str, table: &Option<MapTable>| {
+        table.as_ref().map_or(Ok(vec![1.0; n]), |table| map(scene, laid, &format!("{place}.{name}"), table))
+    };
+    let mut factor = factors("factor", &table.factor)?;
+    let mut across = factors("across", &table.across)?;
+    for v in (0..n).filter(|&v| !within[v]) {
+        (factor[v], across[v]) = (1.0, 1.0);
+    }
+    let (topology, start) = (&laid.topology, &laid.start);
+    let Some(direction) = &table.direction else {
+        return Expansion::from_factors(topology, start, &factor).map_err(|error| at(place, error));
+    };
+    let course = match direction {
+        DirectionTable::Fixed(direction) => Course::Fixed(Vec3::from(*direction)),
+        DirectionTable::Axis(table) => {
+            let (centre, axis) = (Vec3::from(table.centre_m), Vec3::from(table.axis));
+            match table.kind {
+                AxisKind::Around => Course::Around { centre, axis },
+                AxisKind::Outward => Course::Outward { centre, axis },
+            }
+        }
+    };
+    let directions: Vec<Vec3> = start.iter().map(|p| course.at(p)).collect();
+    let form = |v: usize| match table.tensor {
+        Some([a, b, c]) if within[v] => Mat2::new(a, b, b, c),
+        Some(_) => Mat2::identity(),
+        // A factor below 0 has a square, too; it must be seen to be wrong.
+        None => Mat2::new(factor[v] * factor[v].abs(), 0.0, 0.0, across[v] * across[v].abs()),
+    };
+    let forms: Vec<Mat2> = (0..n).map(form).collect();
+    Expansion::from_tensors(topology, start, &directions, &forms).map_err(|error| at(place, error))
+}
+
+/// `error` about a value, with the place in the scene that gave it.
+fn at(place: &str, error: Error) -> Error {
+    match error {
+        Error::Value { message, .. } => Error::value(place, message),
+        other => other,
+    }
+}

@@ -1,0 +1,241 @@
+//! Scenes that grow: `[growth]` made ready for [`crate::growth::grow`].
+//!
+//! [`schema`] is the table's content, `check` says what its types cannot, `maps` turns it into numbers for each vertex, [`count`] reads
+//! folds off what has grown.
+
+pub(super) mod check;
+pub mod count;
+pub(super) mod maps;
+pub mod schema;
+
+pub use count::Counted;
+
+use super::build::{Built, assemble, lay};
+use super::hold::{self, AXES, Grip};
+use super::laid::Laid;
+use super::read::in_file;
+use super::schema::{GrowthTable, Scene};
+use crate::growth::{Expansion, Growing, GrowthOptions};
+use crate::rest::RestMetric;
+use crate::{Error, Result};
+
+/// A scene made ready to grow.
+#[derive(Clone, Debug)]
+pub struct BuiltGrowth {
+    /// The surface, with its rest metric before growth, what pushes and what is in its way.
+    pub built: Built,
+    /// How it grows.
+    pub expansion: Expansion,
+    /// `[V]` λ (m).
+    pub wavelength_m: Vec<f64>,
+    /// `[V]` Λ (m).
+    pub coherence_m: Vec<f64>,
+    /// `[V]` offset that the surface prefers, in wavelengths.
+    pub bias: Vec<f64>,
+    /// `[V]` how much harder than out it goes in.
+    pub stickiness: Vec<f64>,
+    /// `[V]` axes along which vertices stay.
+    pub frozen: Vec<[bool; 3]>,
+    /// How folds are solved for.
+    pub options: GrowthOptions,
+    /// Steps of growth at least, if the scene says so.
+    pub steps: Option<usize>,
+    /// Where folds are counted.
+    windows: Vec<count::Place>,
+}
+
+impl BuiltGrowth {
+    /// What [`crate::growth::grow`] takes.
+    pub fn growing(&self) -> Growing<'_> {
+        let built = &self.built;
+        Growing {
+            topology: &built.topology,
+            rest: &built.rest,
+            start: &built.start,
+            places: built.start.clone(),
+            expansion: self.expansion.clone(),
+            wavelength_m: self.wavelength_m.clone(),
+            coherence_m: self.coherence_m.clone(),
+            bias: self.bias.clone(),
+            stickiness: self.stickiness.clone(),
+            frozen: self.frozen.clone(),
+            loads: built.loads.clone(),
+            obstacles: &built.obstacles,
+            contact_thickness_m: built.contact_thickness_m,
+        }
+    }
+
+    /// The parts of the growth, one for each step; `steps` at least, else as many as the scene says.
+    pub fn parts(&self, steps: Option<usize>) -> Vec<f64> {
+        let most = self.growing().most_growth();
+        let mut options = self.options.clone();
+        if let Some(steps) = steps.or(self.steps) {
+            options.largest_step = most / steps as f64;
+        }
+        options.parts(most)
+    }
+}
+
+/// The scene ready to grow. Clamps freeze what they hold.
+///
+/// # Errors
+/// As [`super::build()`], but nothing must be held; [`Error::Value`] if the scene does not grow, has a clamp that moves, pressure, a map
+/// whose image cannot be read or lies on nothing, an expansion that is none, folds narrower than the mesh can carry, all frozen.
+pub fn build_growth(scene: &Scene) -> Result<BuiltGrowth> {
+    let Some(table) = &scene.growth else {
+        let message = "the scene does not say how it grows; add [growth], or use plisse solve";
+        return Err(in_file(&scene.file, Error::value("growth", message)));
+    };
+    grow_unplaced(scene, table).map_err(|error| in_file(&scene.file, error))
+}
+
+fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
+    if scene.load.pressure_pa != 0.0 {
+        return Err(Error::value("load.pressure_pa", "a surface that grows feels no pressure; remove it, or give a bias"));
+    }
+    if let Some(i) = scene.clamp.iter().position(|clamp| clamp.move_m != [0.0; 3] || clamp.turn.is_some()) {
+        return Err(Error::value(format!("clamp[{i}]"), "growth begins where the surface is laid; let the clamp neither move nor turn"));
+    }
+    let laid = lay(scene)?;
+    let map = |name: &str, table: Option<&schema::MapTable>| match table {
+        Some(table) => maps::map(scene, &laid, &format!("growth.{name}"), table),
+        None => Ok(vec![0.0; laid.start.len()]),
+    };
+    let (wavelength_m, coherence_m) = (map("wavelength_m", Some(&table.wavelength_m))?, map("coherence_m", table.coherence_m.as_ref())?);
+    let (bias, stickiness) = (map("bias", table.bias.as_ref())?, map("stickiness", table.stickiness.as_ref())?);
+    let (expansion, frozen) = (maps::expansion(scene, table, &laid)?, frozen(scene, table, &laid)?);
+    let windows = count::places(table, &laid)?;
+    let mut options = GrowthOptions { young_pa: scene.material.young_pa, poisson: scene.material.poisson, ..GrowthOptions::default() };
+    options.seed = table.seed.unwrap_or(options.seed);
+    options.plasticity = table.plasticity.unwrap_or(options.plasticity);
+    options.imperfection = table.imperfection.unwrap_or(options.imperfection);
+    options.iteration_limit = table.iteration_limit.unwrap_or(options.iteration_limit);
+    let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
+    let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
+    let built = assemble(scene, laid, rest, clamps, loads)?;
+    let grown = BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps: table.steps, windows };
+    grown.growing().check()?;
+    Ok(grown)
+}
+
+/// `[V]` axes that are frozen, by `[[growth.freeze]]` and by clamps.
+fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 3]>> {
+    let mut frozen: Vec<[bool; 3]> = hold::clamps(scene, laid)?.targets.iter().map(|target| target.map(|held| held.is_some())).collect();
+    for (i, freeze) in table.freeze.iter().enumerate() {
+        let place = format!("growth.freeze[{i}]");
+        let vertices: Vec<usize> = match &freeze.map {
+            Some(map) => {
+                let values = maps::map(scene, laid, &format!("{place}.map"), map)?;
+                (0..values.len()).filter(|&v| values[v] > 0.5).collect()
+            }
+            None => {
+                let grip = Grip::new(&place, freeze.side.as_deref(), freeze.near_m, freeze.within_m)?;
+                grip.vertices(scene, laid, &place)?.into_iter().map(|(v, _)| v).collect()
+            }
+        };
+        for v in vertices {
+            for (axis, letter) in AXES.into_iter().enumerate() {
+                frozen[v][axis] |= freeze.axes.contains(letter);
+            }
+        }
+    }
+    Ok(frozen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{build, parse};
+    use super::*;
+
+    const SCENE: &str = r#"
+        title = "sheet"
+        [material]
+        young_pa = 1e5
+        poisson = 0
+        thickness_m = 1e-3
+        [[panel]]
+        name = "p"
+        shape = "rectangle"
+        width_m = 1
+        height_m = 0.5
+        edge_length_m = 0.05
+        [[clamp]]
+        side = "p.left"
+        [growth]
+        wavelength_m = 0.25
+        freeze = [{ side = "p.right", axes = "xz" }]
+        [[growth.expansion]]
+        factor = { kind = "ramp", low = 1, high = 2, from_m = [0, 0, 0], to_m = [1, 0, 0] }
+        direction = [1, 0, 0]
+        [[growth.expansion]]
+        panel = "p"
+        factor = 1.5
+        [[growth.count]]
+        name = "c"
+        panel = "p"
+        low_m = [0.1, 0.1]
+        high_m = [0.9, 0.4]
+    "#;
+
+    fn message(from: &str, to: &str) -> String {
+        assert_eq!(SCENE.matches(from).count(), 1, "{from}");
+        parse("s.toml", &SCENE.replace(from, to)).and_then(|scene| build_growth(&scene)).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn maps_expansions_and_what_is_frozen_are_read() {
+        let scene = parse("s.toml", SCENE).unwrap();
+        let grown = build_growth(&scene).unwrap();
+        for (v, p) in grown.built.start.iter().enumerate() {
+            let [most, least] = grown.expansion.vertices[v].principal().0;
+            assert!((most - 1.5 * (1.0 + p.x)).abs() < 1e-9 && (least - 1.5).abs() < 1e-9, "{p}: {most} {least}");
+            assert_eq!(grown.frozen[v], if p.x == 0.0 { [true; 3] } else { [p.x == 1.0, false, p.x == 1.0] });
+        }
+        // The same growth drives the base solve.
+        let solved = build(&scene).unwrap();
+        let asked = grown.expansion.act_on(&grown.built.topology, &grown.built.start, &grown.built.rest).unwrap();
+        assert_eq!(solved.rest, asked);
+        assert!(grown.parts(Some(40)).len() >= 40 && *grown.parts(None).last().unwrap() == 1.0);
+    }
+
+    #[test]
+    fn what_cannot_grow_is_told_in_one_sentence() {
+        let ramp = "{ kind = \"ramp\", low = 1, high = 2, from_m = [0, 0, 0], to_m = [1, 0, 0] }";
+        for (from, to, says) in [
+            ("wavelength_m = 0.25", "wavelength_m = 0.05", "growth.wavelength_m: folds 5.000e-2 m apart need edges of"),
+            ("wavelength_m = 0.25", "wavelength_m = -1", "give a positive number of metres"),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = { kind = \"image\", file = \"none.png\", low = 1, high = 2 }",
+                "none.png: reading failed",
+            ),
+            ("wavelength_m = 0.25", "wavelength_m = { kind = \"spots\", low = 1, high = 2 }", "needs centres_m, radius_m"),
+            ("wavelength_m = 0.25", "wavelength_m = 1\nwind = 3", "there is no field wind here"),
+            (ramp, "{ kind = \"ramp\", low = 1, high = 2, size_m = 3 }", "this is missing; the kind \"ramp\" needs from_m, to_m"),
+            (ramp, "{ kind = \"slope\", low = 1, high = 2 }", "cannot be \"slope\"; give one of ramp, band"),
+            (ramp, "{ kind = \"noise\", low = 1, high = 2, size_m = 1, steep = 3 }", "there is no field steep here"),
+            (ramp, "{ kind = \"noise\", low = 1 }", "it must have kind, low, high"),
+            (ramp, "\"much\"", "give a number, or a table with a kind"),
+            ("factor = 1.5", "factor = -1.5", "growth.expansion[1]: the growth at vertex 0 is -1.5"),
+            ("factor = 1.5", "tensor = [1, 2, 1]\ndirection = [1, 0, 0]", "not symmetric and positive definite"),
+            ("factor = 1.5", "factor = 2\ntensor = [1, 2, 1]\ndirection = [1, 0, 0]", "remove one of them"),
+            ("factor = 1.5", "across = 1.5", "say along which direction"),
+            ("direction = [1, 0, 0]", "direction = [0, 0, 1]", "does not lie in the surface"),
+            ("direction = [1, 0, 0]", "direction = [0, 0, 0]", "no length"),
+            ("panel = \"p\"\n        factor", "panel = \"q\"\n        factor", "there is no panel \"q\""),
+            ("freeze = [{ side = \"p.right\", axes = \"xz\" }]", "freeze = [{ map = 1 }]", "every vertex is frozen"),
+            ("axes = \"xz\"", "axes = \"w\"", "growth.freeze[0].axes"),
+            ("side = \"p.right\", axes = \"xz\"", "axes = \"xz\"", "does not say where; give one of side, near_m, within_m and map"),
+            ("side = \"p.left\"", "side = \"p.left\"\nmove_m = [0, 0, 1]", "neither move nor turn"),
+            ("high_m = [0.9, 0.4]", "high_m = [9, 9]", "reaches beyond"),
+            ("high_m = [0.9, 0.4]", "radius_m = 1", "a ring needs"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nplasticity = 2", "growth.plasticity: 2 is no share"),
+        ] {
+            let text = message(from, to);
+            assert!(text.contains(says) && text.starts_with("s.toml, ") && text.contains("; "), "{to}: {text}");
+        }
+        let none = SCENE.split("[growth]").next().unwrap();
+        let text = build_growth(&parse("s.toml", none).unwrap()).unwrap_err().to_string();
+        assert!(text.contains("does not say how it grows"), "{text}");
+    }
+}

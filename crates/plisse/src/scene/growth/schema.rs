@@ -1,0 +1,269 @@
+//! `[growth]`: what a scene file may say about growth. Types and defaults; [`super::check`] says what the types cannot.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
+
+use crate::scene::schema::BoxTable;
+
+/// `[growth]`: how the surface grows and folds, see [`crate::growth`].
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GrowthTable {
+    /// How much it grows and along what, one after the other.
+    pub expansion: Vec<ExpansionTable>,
+    /// λ: spacing of folds on the starting surface (m).
+    pub wavelength_m: MapTable,
+    /// Λ: how far crests run straight (m); none: 0.
+    pub coherence_m: Option<MapTable>,
+    /// Offset that the surface prefers, in wavelengths; none: 0.
+    pub bias: Option<MapTable>,
+    /// How much harder than out the surface goes in; none: 0.
+    pub stickiness: Option<MapTable>,
+    /// What stays where it is.
+    #[serde(default)]
+    pub freeze: Vec<FreezeTable>,
+    /// Windows in which folds are counted.
+    #[serde(default)]
+    pub count: Vec<CountTable>,
+    /// Steps of growth at least.
+    pub steps: Option<usize>,
+    /// Share of the stress that is forgotten after each step (0 to 1).
+    pub plasticity: Option<f64>,
+    /// Size of the random imperfections from which folds begin, in wavelengths.
+    pub imperfection: Option<f64>,
+    /// Chooses the imperfections.
+    pub seed: Option<u64>,
+    /// Newton iterations at most in each step.
+    pub iteration_limit: Option<usize>,
+}
+
+/// `[[growth.expansion]]`.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExpansionTable {
+    /// The panel that grows; none: the whole surface.
+    pub panel: Option<String>,
+    /// Factor of lengths along `direction`, or in all directions if there is none.
+    pub factor: Option<MapTable>,
+    /// Factor of lengths across `direction`; none: 1.
+    pub across: Option<MapTable>,
+    /// Instead of factors: τ = [a, b; b, c] in the frame of `direction`, as [a, b, c].
+    pub tensor: Option<[f64; 3]>,
+    /// Along what it grows most.
+    pub direction: Option<DirectionTable>,
+}
+
+/// `[[growth.freeze]]`; exactly one of `side`, `near_m`, `within_m` and `map` says what.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FreezeTable {
+    /// A side, as "panel.side".
+    pub side: Option<String>,
+    /// The vertex that starts nearest to this point (m).
+    pub near_m: Option<[f64; 3]>,
+    /// All vertices that start in this box.
+    pub within_m: Option<BoxTable>,
+    /// All vertices where this map is above one half.
+    pub map: Option<MapTable>,
+    /// Along which axes: letters of "xyz".
+    #[serde(default = "xyz")]
+    pub axes: String,
+}
+
+fn xyz() -> String {
+    "xyz".to_owned()
+}
+
+/// `[[growth.count]]`: a rectangle of a panel, or a ring of one.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CountTable {
+    /// Its name.
+    pub name: String,
+    /// The panel.
+    pub panel: String,
+    /// Lower left corner in panel coordinates (m).
+    pub low_m: Option<[f64; 2]>,
+    /// Upper right corner (m).
+    pub high_m: Option<[f64; 2]>,
+    /// Axis of the panel along which folds are counted: "x" or "y"; none: "x".
+    pub along: Option<PanelAxis>,
+    /// Of a ring: its centre in panel coordinates (m).
+    pub centre_m: Option<[f64; 2]>,
+    /// Of a ring: its radius (m).
+    pub radius_m: Option<f64>,
+    /// Of a ring: its width (m).
+    pub width_m: Option<f64>,
+}
+
+/// An axis of a panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PanelAxis {
+    /// Its x.
+    X,
+    /// Its y.
+    Y,
+}
+
+/// A number that may vary over the surface: a number, or a table with a `kind`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MapTable {
+    /// The same everywhere.
+    Number(f64),
+    /// By place.
+    Procedure(Box<ProcedureTable>),
+}
+
+/// A map by place: `low` where the procedure is 0, `high` where it is 1.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProcedureTable {
+    /// Which procedure; decides which of the fields below must be given.
+    pub kind: MapKind,
+    /// Value where the map is 0.
+    pub low: f64,
+    /// Value where it is 1.
+    pub high: f64,
+    /// A ramp's beginning, where it is 0 (m).
+    pub from_m: Option<[f64; 3]>,
+    /// Its end, where it is 1 (m).
+    pub to_m: Option<[f64; 3]>,
+    /// A point of the band's middle plane, or of the axis of a ring or a radial map (m).
+    pub centre_m: Option<[f64; 3]>,
+    /// The middles of spots (m).
+    pub centres_m: Option<Vec<[f64; 3]>>,
+    /// Normal of a band's middle plane.
+    pub normal: Option<[f64; 3]>,
+    /// Axis of a ring or a radial map.
+    pub axis: Option<[f64; 3]>,
+    /// Radius of a ring, a radial map or spots (m).
+    pub radius_m: Option<f64>,
+    /// Width of a band or a ring (m).
+    pub width_m: Option<f64>,
+    /// Over how much a band or a ring falls off (m); none: 0.
+    pub soft_m: Option<f64>,
+    /// Size of the lumps of noise (m).
+    pub size_m: Option<f64>,
+    /// Scales of fractal noise.
+    pub octaves: Option<usize>,
+    /// Chooses the noise; none: 1.
+    pub seed: Option<u64>,
+    /// PNG file of an image, relative to the scene file.
+    pub file: Option<PathBuf>,
+    /// Value for each panel, in the scene's order, from 0 (`low`) to 1 (`high`).
+    pub shares: Option<Vec<f64>>,
+}
+
+/// Which procedure a map is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MapKind {
+    /// Needs `from_m` and `to_m`.
+    Ramp,
+    /// Needs `centre_m`, `normal` and `width_m`.
+    Band,
+    /// Needs `centre_m`, `axis`, `radius_m` and `width_m`.
+    Ring,
+    /// Needs `centre_m`, `axis` and `radius_m`.
+    Radial,
+    /// Needs `centres_m` and `radius_m`.
+    Spots,
+    /// Needs `size_m`.
+    Noise,
+    /// Needs `size_m` and `octaves`.
+    Fractal,
+    /// Needs `file`.
+    Image,
+    /// Needs `shares`.
+    Panels,
+}
+
+/// A direction: `[x, y, z]`, or a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DirectionTable {
+    /// The same everywhere.
+    Fixed([f64; 3]),
+    /// About an axis.
+    Axis(AxisTable),
+}
+
+/// A direction about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisTable {
+    /// Around the axis, or away from it.
+    pub kind: AxisKind,
+    /// A point of the axis (m).
+    #[serde(default)]
+    pub centre_m: [f64; 3],
+    /// Direction of the axis (any length but 0).
+    pub axis: [f64; 3],
+}
+
+/// How a direction runs about an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum AxisKind {
+    /// Around it.
+    Around,
+    /// Away from it.
+    Outward,
+}
+
+// Not derived: an untagged enum would not say what is wrong inside the table.
+impl<'de> Deserialize<'de> for MapTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrTable;
+        impl<'de> Visitor<'de> for NumberOrTable {
+            type Value = MapTable;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or a table with a kind")
+            }
+
+            fn visit_f64<E>(self, value: f64) -> Result<MapTable, E> {
+                Ok(MapTable::Number(value))
+            }
+
+            fn visit_i64<E>(self, value: i64) -> Result<MapTable, E> {
+                Ok(MapTable::Number(value as f64))
+            }
+
+            fn visit_u64<E>(self, value: u64) -> Result<MapTable, E> {
+                Ok(MapTable::Number(value as f64))
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MapTable, A::Error> {
+                ProcedureTable::deserialize(MapAccessDeserializer::new(map)).map(|table| MapTable::Procedure(Box::new(table)))
+            }
+        }
+        deserializer.deserialize_any(NumberOrTable)
+    }
+}
+
+impl<'de> Deserialize<'de> for DirectionTable {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct VectorOrTable;
+        impl<'de> Visitor<'de> for VectorOrTable {
+            type Value = DirectionTable;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("three numbers in [ ], or a table with a kind")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<DirectionTable, A::Error> {
+                <[f64; 3]>::deserialize(SeqAccessDeserializer::new(list)).map(DirectionTable::Fixed)
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<DirectionTable, A::Error> {
+                AxisTable::deserialize(MapAccessDeserializer::new(map)).map(DirectionTable::Axis)
+            }
+        }
+        deserializer.deserialize_any(VectorOrTable)
+    }
+}
