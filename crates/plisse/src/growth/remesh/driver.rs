@@ -1,0 +1,115 @@
+//! When edges are split, swapped and collapsed.
+
+use std::collections::VecDeque;
+
+use super::collapse::Tolerances;
+use super::patch::Patch;
+use super::{RemeshOptions, RemeshReport};
+
+/// Lengths over asked ones above which edges are split.
+pub(super) const SPLIT: f64 = 4.0 / 3.0;
+/// Lengths over asked ones below which edges are collapsed: half of 4/5, so that no half of a split edge is.
+pub(super) const COLLAPSE: f64 = 0.4;
+/// Lengths over asked ones that no collapse makes: some way below where edges are split.
+const LONGEST_MADE: f64 = 0.9 * SPLIT;
+/// Growth (factor of length less 1) below which nothing is said to grow.
+const QUIET: f64 = 1e-9;
+/// Swaps in a row for each edge at most. Delaunay needs few.
+const SWAPS: usize = 64;
+
+/// Changes `patch` until nothing is left to change, or limits are met.
+pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
+    let mut report = RemeshReport::default();
+    let area: f64 = (0..patch.active.len()).filter(|&f| patch.active[f]).map(|f| patch.sheet.rest[f].area_m2).sum();
+    let budget = options.area_tolerance * area;
+    while report.passes < options.most_passes {
+        report.passes += 1;
+        let before = report.changes();
+        split_all(patch, options, &mut report);
+        swap_all(patch, &mut report);
+        collapse_all(patch, options, budget, &mut report);
+        swap_all(patch, &mut report);
+        if report.changes() == before {
+            report.settled = true;
+            break;
+        }
+    }
+    report
+}
+
+/// Length (m) over the asked one of the edge `a`–`b`, `length` (m) long.
+pub(super) fn ratio(patch: &Patch, options: &RemeshOptions, a: usize, b: usize, length: f64) -> f64 {
+    let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
+    let base = |v: usize| {
+        let fine = patch.sheet.channels[options.wavelength_channel][v] / options.edges_per_wave;
+        if growth(v).is_some_and(|g| (g - 1.0).abs() <= QUIET) { options.longest_m } else { fine.min(options.longest_m) }
+    };
+    let asked = 0.5 * (base(a) + base(b));
+    let (n, m) = (patch.normal(a), patch.normal(b));
+    let angle = n.cross(&m).norm().atan2(n.dot(&m));
+    let change = growth(a).zip(growth(b)).map_or(0.0, |(g, h)| (g - h).abs());
+    // As long as the angle, or the change of growth, along it is the largest allowed.
+    let steepness = (angle / options.normal_angle).max(change / options.growth_step);
+    let refined = if steepness > 0.0 { asked.min(length / steepness) } else { asked };
+    length / refined.max(options.finest_share * asked)
+}
+
+/// Edges that may change, with length over asked length.
+fn rated(patch: &Patch, options: &RemeshOptions) -> Vec<(f64, [usize; 2])> {
+    let rate = |[a, b]: [usize; 2]| (ratio(patch, options, a, b, patch.length(&patch.edge_faces(a, b))), [a, b]);
+    patch.free_edges().into_iter().map(rate).collect()
+}
+
+/// Splits what is too long, the worst first.
+fn split_all(patch: &mut Patch, options: &RemeshOptions, report: &mut RemeshReport) {
+    let mut long = rated(patch, options);
+    long.retain(|&(ratio, _)| ratio > SPLIT);
+    long.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+    for (_, [a, b]) in long {
+        if patch.living >= options.most_vertices {
+            report.limited = true;
+            return;
+        }
+        report.splits += usize::from(patch.split(a, b).is_some());
+    }
+}
+
+/// Swaps until all edges that may be are Delaunay at rest.
+fn swap_all(patch: &mut Patch, report: &mut RemeshReport) {
+    let mut waiting: VecDeque<[usize; 2]> = patch.free_edges().into();
+    let mut left = SWAPS * waiting.len();
+    while let Some([a, b]) = waiting.pop_front() {
+        if left == 0 || !patch.wants_swap(a, b) {
+            continue;
+        }
+        if let Some([c, d]) = patch.swap(a, b) {
+            left -= 1;
+            report.swaps += 1;
+            waiting.extend([[a, c], [a, d], [b, c], [b, d]]);
+        }
+    }
+}
+
+/// Collapses what is too short, the worst first.
+fn collapse_all(patch: &mut Patch, options: &RemeshOptions, budget_m2: f64, report: &mut RemeshReport) {
+    let mut short = rated(patch, options);
+    short.retain(|&(ratio, _)| ratio < COLLAPSE);
+    short.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+    for (_, [a, b]) in short {
+        let faces = patch.edge_faces(a, b);
+        if faces.iter().count() == 0 || ratio(patch, options, a, b, patch.length(&faces)) >= COLLAPSE {
+            continue;
+        }
+        // Younger vertices go first.
+        for (v, u) in [(a.max(b), a.min(b)), (a.min(b), a.max(b))] {
+            let tolerances = Tolerances { flatness: options.flatness, area_m2: budget_m2 - report.area_spent_m2 };
+            let fits = |patch: &Patch, w: usize, length: f64| ratio(patch, options, u, w, length) < LONGEST_MADE;
+            if let Some(change) = patch.collapse(v, u, tolerances, fits) {
+                report.collapses += 1;
+                report.area_change_m2 += change;
+                report.area_spent_m2 += change.abs();
+                break;
+            }
+        }
+    }
+}
