@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use super::collapse::Tolerances;
 use super::patch::Patch;
-use super::{RemeshOptions, RemeshReport};
+use super::{RemeshOptions, RemeshReport, laid};
+use crate::mesh::Vec3;
 
 /// Lengths over asked ones above which edges are split.
 pub(super) const SPLIT: f64 = 4.0 / 3.0;
@@ -14,6 +15,8 @@ pub(super) const COLLAPSE: f64 = 0.4;
 const LONGEST_MADE: f64 = 0.9 * SPLIT;
 /// Growth (factor of length less 1) below which nothing is said to grow.
 const QUIET: f64 = 1e-9;
+/// By how much more (m) a vertex may ask for than another, for each metre between them.
+const GRADING: f64 = 0.5;
 /// Swaps in a row for each edge at most. Delaunay needs few.
 const SWAPS: usize = 64;
 
@@ -37,32 +40,73 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
     report
 }
 
-/// Length (m) over the asked one of the edge `a`–`b`, `length` (m) long.
-pub(super) fn ratio(patch: &Patch, options: &RemeshOptions, a: usize, b: usize, length: f64) -> f64 {
+/// `[V]` how long (m) edges at each corner of an active face should be; infinite elsewhere.
+///
+/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less; and no vertex asks for much more than its
+/// neighbours do, so that the mesh is graded.
+pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> {
     let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
     let base = |v: usize| {
         let fine = patch.sheet.channels[options.wavelength_channel][v] / options.edges_per_wave;
         if growth(v).is_some_and(|g| (g - 1.0).abs() <= QUIET) { options.longest_m } else { fine.min(options.longest_m) }
     };
-    let asked = 0.5 * (base(a) + base(b));
-    let (n, m) = (patch.normal(a), patch.normal(b));
-    let angle = n.cross(&m).norm().atan2(n.dot(&m));
-    let change = growth(a).zip(growth(b)).map_or(0.0, |(g, h)| (g - h).abs());
-    // As long as the angle, or the change of growth, along it is the largest allowed.
-    let steepness = (angle / options.normal_angle).max(change / options.growth_step);
-    let refined = if steepness > 0.0 { asked.min(length / steepness) } else { asked };
-    length / refined.max(options.finest_share * asked)
+    let mut asked = vec![f64::INFINITY; patch.around.len()];
+    let mut normals = vec![None; patch.around.len()];
+    let mut sides = Vec::new();
+    for f in (0..patch.active.len()).filter(|&f| patch.active[f] && !patch.dead[f]) {
+        let face = patch.sheet.faces[f];
+        for k in 0..3 {
+            let (a, b) = (face[k], face[(k + 1) % 3]);
+            asked[a] = base(a);
+            normals[a].get_or_insert_with(|| patch.normal(a));
+            sides.push((a, b, laid::side(&patch.sheet.rest[f], k)));
+        }
+    }
+    let bases = asked.clone();
+    for &(a, b, length) in &sides {
+        let (n, m): (Vec3, Vec3) = (normals[a].unwrap_or_default(), normals[b].unwrap_or_default());
+        let angle = n.cross(&m).norm().atan2(n.dot(&m));
+        let change = growth(a).zip(growth(b)).map_or(0.0, |(g, h)| (g - h).abs());
+        // As long as the angle, or the change of growth, along it is the largest allowed.
+        let steepness = (angle / options.normal_angle).max(change / options.growth_step);
+        if steepness > 0.0 {
+            for v in [a, b] {
+                asked[v] = asked[v].min((length / steepness).max(options.finest_share * bases[v]));
+            }
+        }
+    }
+    loop {
+        let mut done = true;
+        for &(a, b, length) in &sides {
+            for (v, w) in [(a, b), (b, a)] {
+                let most = asked[v] + GRADING * length;
+                // Rounding alone is not worth another round.
+                if asked[w] > most * (1.0 + 1e-12) {
+                    asked[w] = most;
+                    done = false;
+                }
+            }
+        }
+        if done {
+            return asked;
+        }
+    }
+}
+
+/// Length (m) over the asked one of an edge whose ends ask for `a` and `b` (m).
+pub(super) fn ratio(asked: &[f64], a: usize, b: usize, length: f64) -> f64 {
+    2.0 * length / (asked[a] + asked[b])
 }
 
 /// Edges that may change, with length over asked length.
-fn rated(patch: &Patch, options: &RemeshOptions) -> Vec<(f64, [usize; 2])> {
-    let rate = |[a, b]: [usize; 2]| (ratio(patch, options, a, b, patch.length(&patch.edge_faces(a, b))), [a, b]);
+fn rated(patch: &Patch, asked: &[f64]) -> Vec<(f64, [usize; 2])> {
+    let rate = |[a, b]: [usize; 2]| (ratio(asked, a, b, patch.length(&patch.edge_faces(a, b))), [a, b]);
     patch.free_edges().into_iter().map(rate).collect()
 }
 
 /// Splits what is too long, the worst first.
 fn split_all(patch: &mut Patch, options: &RemeshOptions, report: &mut RemeshReport) {
-    let mut long = rated(patch, options);
+    let mut long = rated(patch, &asked_lengths(patch, options));
     long.retain(|&(ratio, _)| ratio > SPLIT);
     long.sort_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
     for (_, [a, b]) in long {
@@ -92,18 +136,19 @@ fn swap_all(patch: &mut Patch, report: &mut RemeshReport) {
 
 /// Collapses what is too short, the worst first.
 fn collapse_all(patch: &mut Patch, options: &RemeshOptions, budget_m2: f64, report: &mut RemeshReport) {
-    let mut short = rated(patch, options);
+    let asked = asked_lengths(patch, options);
+    let mut short = rated(patch, &asked);
     short.retain(|&(ratio, _)| ratio < COLLAPSE);
     short.sort_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
     for (_, [a, b]) in short {
         let faces = patch.edge_faces(a, b);
-        if faces.iter().count() == 0 || ratio(patch, options, a, b, patch.length(&faces)) >= COLLAPSE {
+        if faces.iter().count() == 0 || ratio(&asked, a, b, patch.length(&faces)) >= COLLAPSE {
             continue;
         }
         // Younger vertices go first.
         for (v, u) in [(a.max(b), a.min(b)), (a.min(b), a.max(b))] {
             let tolerances = Tolerances { flatness: options.flatness, area_m2: budget_m2 - report.area_spent_m2 };
-            let fits = |patch: &Patch, w: usize, length: f64| ratio(patch, options, u, w, length) < LONGEST_MADE;
+            let fits = |_: &Patch, w: usize, length: f64| ratio(&asked, u, w, length) < LONGEST_MADE;
             if let Some(change) = patch.collapse(v, u, tolerances, fits) {
                 report.collapses += 1;
                 report.area_change_m2 += change;

@@ -165,7 +165,8 @@ pub fn edge_ratios(sheet: &Sheet, options: &RemeshOptions) -> Result<Vec<f64>> {
     let topology = check(sheet, &vec![true; sheet.faces.len()])?;
     check_options(sheet, options)?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
-    let ratio = |&[a, b]: &[usize; 2]| driver::ratio(&patch, options, a, b, patch.length(&patch.edge_faces(a, b)));
+    let asked = driver::asked_lengths(&patch, options);
+    let ratio = |&[a, b]: &[usize; 2]| driver::ratio(&asked, a, b, patch.length(&patch.edge_faces(a, b)));
     Ok(topology.edges.iter().map(ratio).collect())
 }
 

@@ -6,7 +6,7 @@ use super::{Maps, Sheet, laid};
 use crate::mesh::Vec3;
 
 /// Least cosine between the normals of a face before and after it is changed.
-const LEAST_COSINE: f64 = 0.2;
+const LEAST_COSINE: f64 = 0.5;
 
 /// The surface with its holes: numbers of faces and vertices never change here, new ones are appended, dead ones are marked.
 pub(super) struct Patch {
@@ -123,6 +123,11 @@ impl Patch {
             .iter()
             .any(|(f, _)| self.sheet.faces[f].iter().all(|&v| (0..3).all(|k| !axes[k] || self.sheet.frozen[v][k])) && !self.is_ear(f));
         if outer || beside || !(self.on_boundary(a) && self.on_boundary(b)) { axes } else { [false; 3] }
+    }
+
+    /// Whether a face with these corners would be frozen along some axis.
+    pub(super) fn would_freeze(&self, corners: &[usize; 3]) -> bool {
+        (0..3).any(|k| corners.iter().all(|&v| self.sheet.frozen[v][k]))
     }
 
     /// Whether two sides of face `f` lie on the boundary.

@@ -19,7 +19,8 @@ impl Patch {
 
     /// Swaps the edge `a`–`b` for the other diagonal and returns that one's ends. Both faces are laid flat in their own metric first, so
     /// lengths and the sum of areas stay. None, and nothing happens: on the boundary, beside inactive faces, on seams and frozen
-    /// lines; where the flat quad is not convex, the other diagonal is there already, or a face would turn over.
+    /// lines; where the flat quad is not convex, the other diagonal is there already, or a face
+    /// would turn over or be frozen.
     pub(super) fn swap(&mut self, a: usize, b: usize) -> Option<[usize; 2]> {
         let faces = self.edge_faces(a, b);
         let ((f, k), (g, l)) = (faces.forth?, faces.back?);
@@ -39,7 +40,7 @@ impl Patch {
             return None;
         }
         let (old, new) = ([self.sheet.faces[f], self.sheet.faces[g]], [[a, d, c], [d, b, c]]);
-        if !self.keeps_sides(&old, &new, true) {
+        if new.iter().any(|face| self.would_freeze(face)) || !self.keeps_sides(&old, &new, true) {
             return None;
         }
         if let Some(uvs) = &mut self.sheet.uvs {
