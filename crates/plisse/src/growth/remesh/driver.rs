@@ -43,7 +43,7 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
 /// `[V]` how long (m) edges at each corner of an active face should be; infinite elsewhere.
 ///
 /// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less; and no vertex asks for much more than its
-/// neighbours do, so that the mesh is graded.
+/// neighbours do, so that the mesh is graded. Where the active faces end, edges are what they are: the asked lengths begin there.
 pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> {
     let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
     let base = |v: usize| {
@@ -53,13 +53,20 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     let mut asked = vec![f64::INFINITY; patch.around.len()];
     let mut normals = vec![None; patch.around.len()];
     let mut sides = Vec::new();
+    // Lengths (m) of the longest sides at each vertex that may not change.
+    let mut fixed = vec![0.0_f64; patch.around.len()];
     for f in (0..patch.active.len()).filter(|&f| patch.active[f] && !patch.dead[f]) {
         let face = patch.sheet.faces[f];
         for k in 0..3 {
             let (a, b) = (face[k], face[(k + 1) % 3]);
             asked[a] = base(a);
             normals[a].get_or_insert_with(|| patch.normal(a));
-            sides.push((a, b, laid::side(&patch.sheet.rest[f], k)));
+            let length = laid::side(&patch.sheet.rest[f], k);
+            sides.push((a, b, length));
+            if patch.edge_faces(a, b).back.is_some_and(|(g, _)| !patch.active[g]) {
+                fixed[a] = fixed[a].max(length);
+                fixed[b] = fixed[b].max(length);
+            }
         }
     }
     let bases = asked.clone();
@@ -75,20 +82,30 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
             }
         }
     }
-    loop {
-        let mut done = true;
-        for &(a, b, length) in &sides {
+    for v in (0..fixed.len()).filter(|&v| fixed[v] > 0.0) {
+        asked[v] = asked[v].min(fixed[v]);
+    }
+    spread(&sides, &mut asked);
+    // The same from below, for finer edges would not fit onto what is fixed.
+    let mut spared: Vec<f64> = fixed.iter().map(|length| -length).collect();
+    spread(&sides, &mut spared);
+    asked.iter().zip(&spared).map(|(&a, &s)| a.max(-s)).collect()
+}
+
+/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of the `sides` (ends, length in m) between.
+fn spread(sides: &[(usize, usize, f64)], values: &mut [f64]) {
+    let mut done = false;
+    while !done {
+        done = true;
+        for &(a, b, length) in sides {
             for (v, w) in [(a, b), (b, a)] {
-                let most = asked[v] + GRADING * length;
+                let most = values[v] + GRADING * length;
                 // Rounding alone is not worth another round.
-                if asked[w] > most * (1.0 + 1e-12) {
-                    asked[w] = most;
+                if values[w] > most + 1e-12 * length {
+                    values[w] = most;
                     done = false;
                 }
             }
-        }
-        if done {
-            return asked;
         }
     }
 }

@@ -167,19 +167,25 @@ impl Patch {
 
     /// Unit normal at `v`: the faces' by area; zero where they cancel.
     pub(super) fn normal(&self, v: usize) -> Vec3 {
-        let sum: Vec3 = self.around[v].iter().map(|&f| normal(self.sheet.faces[f].map(|u| self.sheet.positions[u]))).sum();
-        sum.try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        self.normal_sum(v, &self.sheet.positions).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// Whether no new face turns over, in space, at the start or in texture space: every one of `new` keeps its side of every one of
-    /// `old` with the same number, or of all of them if `all`.
+    /// Sum of the normals (m², of twice the areas) of the faces around `v`, whose corners are at `places` (m).
+    fn normal_sum(&self, v: usize, places: &[Vec3]) -> Vec3 {
+        self.around[v].iter().map(|&f| normal(self.sheet.faces[f].map(|u| places[u]))).sum()
+    }
+
+    /// Whether no new face turns over, in space or at the start: every one of `new` keeps its side of every one of `old` with the same
+    /// number, or of all of them if `all`, and of the surface around each of its corners (else many small turns would add up).
     pub(super) fn keeps_sides(&self, old: &[[usize; 3]], new: &[[usize; 3]], all: bool) -> bool {
         [&self.sheet.positions, &self.sheet.start].into_iter().all(|places| {
-            let same_side = |a: &[usize; 3], b: &[usize; 3]| {
-                let (n, m) = (normal(a.map(|v| places[v])), normal(b.map(|v| places[v])));
-                n.dot(&m) > LEAST_COSINE * n.norm() * m.norm()
-            };
-            new.iter().enumerate().all(|(k, b)| if all { old.iter().all(|a| same_side(a, b)) } else { same_side(&old[k], b) })
+            let faces = |list: &[[usize; 3]]| -> Vec<Vec3> { list.iter().map(|face| normal(face.map(|v| places[v]))).collect() };
+            let (was, is) = (faces(old), faces(new));
+            let same_side = |n: &Vec3, m: &Vec3| n.dot(m) > LEAST_COSINE * n.norm() * m.norm();
+            is.iter().enumerate().all(|(k, m)| {
+                (if all { was.iter().all(|n| same_side(n, m)) } else { same_side(&was[k], m) })
+                    && new[k].iter().all(|&v| self.normal_sum(v, places).dot(m) > 0.0)
+            })
         })
     }
 

@@ -93,7 +93,7 @@ fn remesh_makes_an_open_sheet_fine_where_it_grows() {
             done.sheet.start.len(),
             done.report
         );
-        assert!(share >= 0.95 && inside < 0.03 && outside > 0.08);
+        assert!(share >= 0.95 && inside < 0.03 && outside > 0.06);
         assert!(in_band(&sheet, &options) < 0.95, "nothing had to be done");
     }
 }
@@ -133,6 +133,11 @@ fn remesh_coarsens_what_is_too_fine() {
         in_band(&done.sheet, &options),
         done.report
     );
+    // Vertices on the seam stay.
+    let plain = verify(&square(0.04, 2), &options, |_| Vec3::z());
+    let share = in_band(&plain.sheet, &options);
+    println!("without seam: {} vertices, in band {share:.4}", plain.sheet.start.len());
+    assert!(share >= 0.95);
     assert!(done.sheet.start.len() < fine.start.len() / 3 && done.report.area_spent_m2 < 1e-12);
 }
 
@@ -140,10 +145,10 @@ fn remesh_coarsens_what_is_too_fine() {
 fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
     let options = RemeshOptions::new(0.12);
     let sheet = grown(with_seam(square(0.05, 5)), Vec3::new(0.4, 0.5, 0.0), 0.3, 1.5, 0.1);
-    let middle = |face: &[usize; 3]| face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0;
-    let active: Vec<bool> = sheet.faces.iter().map(|f| (middle(f) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.2).collect();
+    let middle = |face: &[usize; 3], sheet: &Sheet| face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0;
+    let active: Vec<bool> = sheet.faces.iter().map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.2).collect();
     let done = remesh(sheet.clone(), &active, &options).unwrap();
-    assert!(done.report.settled && done.report.splits > 100, "{:?}", done.report);
+    assert!(done.report.settled && done.report.splits > 50, "{:?}", done.report);
     // It grew, so all keep their numbers.
     for f in (0..active.len()).filter(|&f| !active[f]) {
         assert!(done.maps.faces[f] == Some(f) && !done.maps.changed[f]);
@@ -154,9 +159,11 @@ fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
         }
     }
     // Coarsening leaves holes, which the last ones fill.
-    let coarse = RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.2) };
+    let sheet = with_seam(square(0.05, 5));
+    let active: Vec<bool> = sheet.faces.iter().map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.35).collect();
+    let coarse = RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.3) };
     let done = remesh(sheet.clone(), &active, &coarse).unwrap();
-    assert!(done.report.collapses > 5, "{:?}", done.report);
+    assert!(done.report.settled && done.report.collapses > 20, "{:?}", done.report);
     let count = done.sheet.faces.len();
     for f in (0..active.len()).filter(|&f| !active[f]) {
         let g = done.maps.faces[f].unwrap();

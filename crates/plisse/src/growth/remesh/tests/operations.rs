@@ -13,15 +13,18 @@ fn shake(sheet: Sheet, outward: impl Fn(&Vec3) -> Vec3, tolerances: Tolerances, 
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, &vec![true; faces]);
     let mut done = [0; 3];
+    let curved = tolerances.flatness > TIGHT.flatness;
     let mut change = 0.0;
     for step in 1..=count {
-        let f = random.below(patch.sheet.faces.len());
-        if patch.dead[f] {
-            continue;
-        }
-        let k = random.below(3);
-        let (a, b) = (patch.sheet.faces[f][k], patch.sheet.faces[f][(k + 1) % 3]);
-        match random.below(5) {
+        let kind = random.below(5);
+        let mut pick = || {
+            let (f, k) = (random.below(patch.sheet.faces.len()), random.below(3));
+            (!patch.dead[f]).then(|| (patch.sheet.faces[f][k], patch.sheet.faces[f][(k + 1) % 3]))
+        };
+        // Swaps at random would wind a curved surface up; there, one that is wanted is looked for.
+        let wanted = |&(a, b): &(usize, usize)| !curved || !matches!(kind, 1 | 2) || patch.wants_swap(a, b);
+        let Some((a, b)) = (0..40).filter_map(|_| pick()).find(wanted) else { continue };
+        match kind {
             0 => done[0] += usize::from(patch.split(a, b).is_some()),
             1 | 2 => done[1] += usize::from(patch.swap(a, b).is_some()),
             _ => {
