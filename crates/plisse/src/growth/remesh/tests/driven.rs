@@ -217,3 +217,48 @@ fn remesh_names_what_it_cannot_use() {
     assert!(told(&|s, _| s.start.truncate(1)).contains("differ in length"));
     assert!(told(&|s, _| s.faces[0].swap(0, 1)).contains("disagree"));
 }
+
+#[test]
+fn remesh_settles_on_random_folded_sheets() {
+    for seed in 0..12 {
+        let mut random = Random(500 + seed);
+        let size = 0.07 + 0.05 * random.signed().abs();
+        let flat = square(size, seed);
+        let centre = Vec3::new(0.5 + 0.4 * random.signed(), 0.5 + 0.4 * random.signed(), 0.0);
+        let mut sheet = grown(flat, centre, 0.4, 1.0 + random.signed().abs(), 0.2 + 0.1 * random.signed());
+        // A pose of folds, one of them steep, over which the rest metric knows nothing.
+        let (height, waves) = (0.05 * random.signed(), 3.0 + 2.0 * random.signed());
+        for (v, p) in sheet.positions.iter_mut().enumerate() {
+            let q = sheet.start[v];
+            p.z = height * (waves * std::f64::consts::TAU * q.x).sin() * (1.0 - (2.0 * q.y - 1.0).powi(2)).max(0.2);
+        }
+        let options = RemeshOptions { normal_angle: 0.3 + 0.2 * random.signed(), ..RemeshOptions::new(0.15) };
+        let done = verify(&sheet, &options, |_| Vec3::z());
+        let share = in_band(&done.sheet, &options);
+        println!("folded {seed}: {} -> {} {share:.4} {:?}", sheet.start.len(), done.sheet.start.len(), done.report);
+        assert!(share >= 0.95);
+    }
+}
+
+#[test]
+fn remesh_time() {
+    let sheet = grown(square(0.0075, 1), Vec3::new(0.5, 0.5, 0.0), 0.04, 1.5, 0.04);
+    let active: Vec<bool> =
+        sheet.faces.iter().map(|f| f.iter().any(|&v| (sheet.start[v] - Vec3::new(0.5, 0.5, 0.0)).norm() < 0.05)).collect();
+    let options = RemeshOptions::new(0.0075);
+    let copy = sheet.clone();
+    let t = std::time::Instant::now();
+    let done = remesh(copy, &active, &options).unwrap();
+    println!(
+        "folded dab: {} vertices, {} active faces, {:?} {:?}",
+        sheet.start.len(),
+        active.iter().filter(|a| **a).count(),
+        t.elapsed(),
+        done.report
+    );
+    let sheet = grown(square(0.012, 1), Vec3::new(0.5, 0.5, 0.0), 0.9, 1.5, 0.04);
+    let copy = sheet.clone();
+    let t = std::time::Instant::now();
+    let done = remesh(copy, &all(&sheet), &options).unwrap();
+    println!("folded whole: {} -> {} vertices, {:?} {:?}", sheet.start.len(), done.sheet.start.len(), t.elapsed(), done.report);
+}
