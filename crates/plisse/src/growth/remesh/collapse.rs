@@ -41,8 +41,8 @@ impl Patch {
     /// stretch there is that keeps the spokes; outer sides keep their lengths exactly, so no face outside notices.
     ///
     /// None, and nothing happens: if `v` is frozen, on a seam or beside inactive faces; if it is on the boundary, but not within a straight
-    /// stretch to `u`; if it is not flat at rest within `tolerances`; if the result were no manifold, or a face froze or turned over, in space, at
-    /// the start, at rest or in texture space.
+    /// stretch to `u`; if it is not flat at rest within `tolerances`; if the result were no manifold, or a face froze or turned over, in
+    /// space, at the start, at rest or in texture space.
     pub(super) fn collapse(&mut self, v: usize, u: usize, tolerances: Tolerances, fits: impl Fn(&Self, usize, f64) -> bool) -> Option<f64> {
         let plan = self.plan(v, u, tolerances)?;
         if !plan.spokes.iter().all(|&(w, length)| fits(self, w, length)) || !self.move_uvs(u, &plan) {

@@ -42,8 +42,8 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
 
 /// `[V]` how long (m) edges at each corner of an active face should be; infinite elsewhere.
 ///
-/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less; and no vertex asks for much more than its
-/// neighbours do, so that the mesh is graded. Where the active faces end, edges are what they are: the asked lengths begin there.
+/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less; and no vertex asks for much more
+/// than its neighbours do, so that the mesh is graded. Where the active faces end, edges are what they are: the asked lengths begin there.
 pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> {
     let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
     let base = |v: usize| {
@@ -55,6 +55,7 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     let mut sides = Vec::new();
     // Lengths (m) of the longest sides at each vertex that may not change.
     let mut fixed = vec![0.0_f64; patch.around.len()];
+    let all_active = !patch.active.contains(&false);
     for f in (0..patch.active.len()).filter(|&f| patch.active[f] && !patch.dead[f]) {
         let face = patch.sheet.faces[f];
         for k in 0..3 {
@@ -63,7 +64,7 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
             normals[a].get_or_insert_with(|| patch.normal(a));
             let length = laid::side(&patch.sheet.rest[f], k);
             sides.push((a, b, length));
-            if patch.edge_faces(a, b).back.is_some_and(|(g, _)| !patch.active[g]) {
+            if !all_active && patch.edge_faces(a, b).back.is_some_and(|(g, _)| !patch.active[g]) {
                 fixed[a] = fixed[a].max(length);
                 fixed[b] = fixed[b].max(length);
             }
@@ -92,7 +93,8 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     asked.iter().zip(&spared).map(|(&a, &s)| a.max(-s)).collect()
 }
 
-/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of the `sides` (ends, length in m) between.
+/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of the `sides` (ends, length in m)
+/// between.
 fn spread(sides: &[(usize, usize, f64)], values: &mut [f64]) {
     let mut done = false;
     while !done {

@@ -47,7 +47,8 @@ pub struct Sheet {
 pub struct RemeshOptions {
     /// Channel of the wavelength λ (m).
     pub wavelength_channel: usize,
-    /// Channel of the growth (factor of length); where it is 1, edges may be [`RemeshOptions::longest_m`] long. Without it, every place grows.
+    /// Channel of the growth (factor of length); where it is 1, edges may be [`RemeshOptions::longest_m`] long. Without it, every
+    /// place grows.
     pub growth_channel: Option<usize>,
     /// Edges to a wavelength: where it grows, edges should be λ over this long, at rest.
     pub edges_per_wave: f64,
@@ -145,12 +146,18 @@ pub struct Remeshed {
 /// The result does not depend on anything but the arguments.
 ///
 /// # Errors
-/// [`Error::Mesh`] for a surface that is no manifold or whose parts do not fit together; [`Error::Value`] for options out of range.
+/// [`Error::Mesh`] for a surface that is no manifold where it is active, or whose parts do not fit together; [`Error::Value`] for options
+/// out of range.
 pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<Remeshed> {
     check(&sheet, active)?;
     check_options(&sheet, options)?;
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, active);
+    // The whole connectivity takes longer than a small change; it is looked at only to say what is wrong.
+    if !patch.is_sound() {
+        Topology::new("remeshing", vertices, patch.sheet.faces)?;
+        return Err(Error::mesh("remeshing", "the surface is no manifold; split it where more than two faces meet"));
+    }
     let report = driver::run(&mut patch, options);
     let (sheet, maps) = patch.finish(vertices, faces);
     Ok(Remeshed { sheet, maps, report })
@@ -162,17 +169,20 @@ pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<
 /// # Errors
 /// As [`remesh`].
 pub fn edge_ratios(sheet: &Sheet, options: &RemeshOptions) -> Result<Vec<f64>> {
-    let topology = check(sheet, &vec![true; sheet.faces.len()])?;
+    check(sheet, &vec![true; sheet.faces.len()])?;
     check_options(sheet, options)?;
+    let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces.clone())?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
     let asked = driver::asked_lengths(&patch, options);
     let ratio = |&[a, b]: &[usize; 2]| driver::ratio(&asked, a, b, patch.length(&patch.edge_faces(a, b)));
     Ok(topology.edges.iter().map(ratio).collect())
 }
 
-fn check(sheet: &Sheet, active: &[bool]) -> Result<Topology> {
-    let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces.clone())?;
+fn check(sheet: &Sheet, active: &[bool]) -> Result<()> {
     let (n, m) = (sheet.positions.len(), sheet.faces.len());
+    if let Some(f) = sheet.faces.iter().position(|face| face.iter().any(|&v| v >= n)) {
+        return Err(Error::mesh("remeshing", format!("face {f} names a vertex that is not there, of {n}; correct the index")));
+    }
     let per_vertex = sheet.start.len() == n && sheet.frozen.len() == n && sheet.channels.iter().all(|c| c.len() == n);
     let per_face = sheet.rest.len() == m && active.len() == m && sheet.uvs.as_ref().is_none_or(|uvs| uvs.len() == m);
     if !(per_vertex && per_face) {
@@ -187,7 +197,7 @@ fn check(sheet: &Sheet, active: &[bool]) -> Result<Topology> {
     if let Some(f) = sheet.rest.iter().position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|x| x.is_finite()))) {
         return Err(Error::mesh("remeshing", format!("face {f} has no area at rest; remove the face or move its corners apart")));
     }
-    Ok(topology)
+    Ok(())
 }
 
 fn check_options(sheet: &Sheet, options: &RemeshOptions) -> Result<()> {

@@ -56,6 +56,23 @@ impl Patch {
         Self { living: around.len(), sheet, around, active: active.to_vec(), dead: vec![false; n], changed: vec![false; n] }
     }
 
+    /// Whether every vertex has a face, and the active faces and their neighbours are a manifold, all facing the same way.
+    pub(super) fn is_sound(&self) -> bool {
+        let proper = |f: usize| {
+            let face = self.sheet.faces[f];
+            let side = |k: usize| {
+                let (a, b) = (face[k], face[(k + 1) % 3]);
+                let along = |x: usize, y: usize| {
+                    let runs = |&&g: &&usize| (0..3).any(|l| self.sheet.faces[g][l] == x && self.sheet.faces[g][(l + 1) % 3] == y);
+                    self.around[a].iter().filter(runs).count()
+                };
+                a != b && along(a, b) == 1 && along(b, a) <= 1
+            };
+            (0..3).all(side)
+        };
+        self.around.iter().all(|faces| !faces.is_empty()) && (0..self.active.len()).all(|f| !self.active[f] || proper(f))
+    }
+
     /// The corner of face `f` that is vertex `v`, if it is one.
     pub(super) fn corner(&self, f: usize, v: usize) -> Option<usize> {
         self.sheet.faces[f].iter().position(|&u| u == v)
