@@ -63,6 +63,7 @@ pub struct RemeshOptions {
     /// Most (rad) by which the angles around a vertex that is taken out may differ from 2π, at rest.
     pub flatness: f64,
     /// Most rest area, as a share of the active one, that may be lost or won (both counted) by taking vertices out.
+    /// At 0 none is: even where it is flat, rounding costs some.
     pub area_tolerance: f64,
     /// No vertex is added beyond this many.
     pub most_vertices: usize,

@@ -64,7 +64,7 @@ pub(super) fn upright(sheet: &Sheet, outward: impl Fn(&Vec3) -> Vec3) -> Result<
                 return Err(format!("face {f} is turned over"));
             }
         }
-        if !(sheet.rest[f].area_m2 > 0.0) {
+        if sheet.rest[f].area_m2.is_nan() || sheet.rest[f].area_m2 <= 0.0 {
             return Err(format!("face {f} has no area at rest"));
         }
     }
