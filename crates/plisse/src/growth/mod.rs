@@ -2,7 +2,8 @@
 //!
 //! [`expansion`] says by how much, and along what, the surface grows, and edits the rest metric; [`procedure`] makes such maps, and
 //! maps of single numbers, from the place on the surface; [`equilibrium`] folds the grown surface up by minimising the energy of a
-//! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large fold; [`measure`] counts what came out.
+//! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large
+//! fold; [`measure`] counts what came out; [`mod@remesh`] makes the mesh fine where it grows.
 
 pub mod equilibrium;
 pub mod expansion;
@@ -11,6 +12,7 @@ pub mod fold_angle;
 pub mod measure;
 pub mod procedure;
 pub mod reference;
+pub mod remesh;
 
 pub use equilibrium::{Growing, GrowthOptions, GrowthReport, StepReport, grow, grow_each};
 pub use expansion::Expansion;
