@@ -172,7 +172,7 @@ fn every_stage_is_its_twin() {
             let input = |w| CrushInput { wavelength_m: w, bias: &[], last_direction: &before.crushed.direction };
             let crushed = crush(unified, &found.posed, &input(&options.wavelength_m));
             // A direction is distinct if a small squeeze along it changes the strength's direction little: compare with a biased twin.
-            let along: Vec<Vec3> = crushed.direction.iter().map(|k| unperturbed(k)).collect();
+            let along: Vec<Vec3> = crushed.direction.iter().map(slanted).collect();
             let tilted = crush(unified, &found.posed, &CrushInput { bias: &along, ..input(&options.wavelength_m) });
             let distinct = |v: usize| tilted.direction[v].dot(&crushed.direction[v]).abs() > 0.999;
             compared += check_crush(&found.crushed, &crushed, distinct).unwrap_or_else(|e| panic!("{name}: crush: {e}"));
@@ -216,7 +216,7 @@ fn every_stage_is_its_twin() {
 }
 
 /// A bias that squeezes along `k` by a tenth of a percent across a slanted direction.
-fn unperturbed(k: &Vec3) -> Vec3 {
+fn slanted(k: &Vec3) -> Vec3 {
     let aside = k.cross(&Vec3::new(0.31, 0.77, 0.56)).try_normalize(1e-6).unwrap_or_else(Vec3::x);
     (k + aside).normalize() * 0.03
 }

@@ -22,9 +22,16 @@ pub(super) struct Device {
     frame: usize,
 }
 
+/// The twins' state.
+pub(super) struct Twins {
+    state: LiveState,
+    times: StageTimes,
+    size: [usize; 2],
+}
+
 pub(super) enum Machine {
     Gpu(Box<Device>),
-    Processor { state: LiveState, times: StageTimes, size: [usize; 2] },
+    Processor(Box<Twins>),
 }
 
 fn character(animated: &Animated) -> Character<'_> {
@@ -36,7 +43,7 @@ impl Machine {
     /// Ready for the first frame of `animated`.
     pub(super) fn new(on_processor: bool, animated: &Animated, size: [usize; 2], texture: &Texture) -> Result<Self> {
         if on_processor {
-            return Ok(Self::Processor { state: LiveState::default(), times: [None; 5], size });
+            return Ok(Self::Processor(Box::new(Twins { state: LiveState::default(), times: [None; 5], size })));
         }
         let gpu = Gpu::new()?;
         let live = Live::new(&gpu, &[character(animated)])?;
@@ -48,7 +55,7 @@ impl Machine {
     pub(super) fn name(&self) -> String {
         match self {
             Self::Gpu(device) => device.gpu.adapter.clone(),
-            Self::Processor { .. } => format!("processor ({} threads)", rayon::current_num_threads()),
+            Self::Processor(_) => format!("processor ({} threads)", rayon::current_num_threads()),
         }
     }
 
@@ -64,7 +71,8 @@ impl Machine {
                 }
                 *frame += 1;
             }
-            Self::Processor { state, times, .. } => {
+            Self::Processor(twins) => {
+                let Twins { state, times, .. } = &mut **twins;
                 *times = [None; 5];
                 let mut begun = Instant::now();
                 state.step_watched(&animated.unified, pose, &animated.options, |stage| {
@@ -84,7 +92,7 @@ impl Machine {
                 let waves = device.live.read(&device.gpu)?;
                 Ok(LiveState { frame: device.frame, posed: waves.posed, crushed: waves.crushed, phase: waves.phase })
             }
-            Self::Processor { state, .. } => Ok(state.clone()),
+            Self::Processor(twins) => Ok(twins.state.clone()),
         }
     }
 
@@ -95,7 +103,8 @@ impl Machine {
                 device.painter.draw(&device.gpu, &mut device.live, camera, look)?;
                 device.painter.read(&device.gpu)
             }
-            Self::Processor { state, times, size } => {
+            Self::Processor(twins) => {
+                let Twins { state, times, size } = &mut **twins;
                 let begun = Instant::now();
                 let drawn = skin(&animated.model.draw, pose);
                 let faces = gather(&animated.model, &animated.unified, &state.posed, &drawn, &state.crushed, &state.phase);
@@ -112,7 +121,7 @@ impl Machine {
     pub(super) fn take_times(&self, lists: &mut [Vec<f64>; 5], drawn: bool) -> Result<()> {
         let times = match self {
             Self::Gpu(device) => device.live.times_ms(&device.gpu, drawn)?,
-            Self::Processor { times, .. } => *times,
+            Self::Processor(twins) => twins.times,
         };
         for (list, time) in lists.iter_mut().zip(times) {
             list.extend(time);
