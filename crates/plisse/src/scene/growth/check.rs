@@ -124,7 +124,10 @@ fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
             }
             Ok(())
         }
-        _ => Err(Error::value(place, "give low_m and high_m for a rectangle, or centre_m, radius_m and width_m for a ring")),
+        _ => Err(Error::value(
+            place,
+            "this does not say where; give low_m and high_m for a rectangle, or centre_m, radius_m and width_m for a ring",
+        )),
     }
 }
 

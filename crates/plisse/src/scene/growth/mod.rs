@@ -158,7 +158,7 @@ mod tests {
         shape = "rectangle"
         width_m = 1
         height_m = 0.5
-        edge_length_m = 0.05
+        edge_length_m = 0.04
         [[clamp]]
         side = "p.left"
         [growth]
@@ -228,7 +228,7 @@ mod tests {
             ("side = \"p.right\", axes = \"xz\"", "axes = \"xz\"", "does not say where; give one of side, near_m, within_m and map"),
             ("side = \"p.left\"", "side = \"p.left\"\nmove_m = [0, 0, 1]", "neither move nor turn"),
             ("high_m = [0.9, 0.4]", "high_m = [9, 9]", "reaches beyond"),
-            ("high_m = [0.9, 0.4]", "radius_m = 1", "a ring needs"),
+            ("high_m = [0.9, 0.4]", "radius_m = 1", "or centre_m, radius_m and width_m for a ring"),
             ("wavelength_m = 0.25", "wavelength_m = 0.25\nplasticity = 2", "growth.plasticity: 2 is no share"),
         ] {
             let text = message(from, to);
