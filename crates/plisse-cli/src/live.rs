@@ -158,7 +158,7 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
     }
     leave_out_others(&mut folder, &path, report.frames);
     report.seconds_total = begun.elapsed().as_secs_f64();
-    report.write(folder, &path, exported.as_deref())?;
+    report.write(folder, exported.as_deref())?;
     drop(spinner);
     report.print(&path);
     Ok(if stopped { Done::Interrupted } else { Done::Whole })

@@ -77,7 +77,7 @@ impl Report {
     }
 
     /// Writes report.json and lets all files appear.
-    pub(super) fn write(&self, mut folder: OutputFolder, path: &Path, exported: Option<&str>) -> Result<()> {
+    pub(super) fn write(&self, mut folder: OutputFolder, exported: Option<&str>) -> Result<()> {
         let stages: serde_json::Map<String, serde_json::Value> =
             STAGES.iter().enumerate().map(|(s, name)| ((*name).to_owned(), json!(self.stage(s)))).collect();
         let report = json!({
@@ -105,9 +105,7 @@ impl Report {
             serde_json::to_writer_pretty(&mut *out, &report)?;
             out.write_all(b"\n")
         })?;
-        folder.commit()?;
-        let _ = path;
-        Ok(())
+        folder.commit().map(|_| ())
     }
 
     /// The same figures on the terminal.
