@@ -4,7 +4,6 @@
 mod live;
 mod solved;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -16,6 +15,7 @@ use serde::Serialize;
 
 use crate::Done;
 use crate::arguments::{BakeArguments, Map};
+use crate::outputs::{say, write_json};
 use crate::road::with_threads;
 
 /// What a run found. Field names carry the units.
@@ -174,12 +174,9 @@ impl<'a> Job<'a> {
                 folder.leave_out(&name);
             }
         }
-        folder.write("report.json", |out| {
-            serde_json::to_writer_pretty(&mut *out, &report)?;
-            out.write_all(b"\n")
-        })?;
+        write_json(&mut folder, "report.json", &report)?;
         folder.commit()?;
-        let _ = std::io::stdout().write_all(report.table(path).as_bytes());
+        say(&report.table(path));
         Ok(if interrupted { Done::Interrupted } else { Done::Whole })
     }
 }

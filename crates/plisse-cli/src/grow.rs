@@ -2,7 +2,6 @@
 
 mod report;
 
-use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -23,7 +22,7 @@ use plisse::strain::strain;
 
 use crate::Done;
 use crate::arguments::GrowArguments;
-use crate::outputs::{CLOTH, CLOTH_SRGB, draw_panels_by, panel_texture};
+use crate::outputs::{self, CLOTH, CLOTH_SRGB, draw_panels_by, panel_texture};
 use crate::progress::Bars;
 use crate::report::ending_name;
 use crate::road::{open_output_at, with_threads};
@@ -101,18 +100,9 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
         write_meshes(&mut folder, &pose, faces, texture, &grown)?;
         report.seconds.files = written.elapsed().as_secs_f64();
         report.seconds.total = begun.elapsed().as_secs_f64();
-        folder.write("report.json", |out| {
-            serde_json::to_writer_pretty(&mut *out, &report)?;
-            out.write_all(b"\n")
-        })?;
-        let paths = folder.commit()?;
+        let table = report.table();
+        outputs::leave(folder, &report, table)?;
         drop(spinner);
-        let mut table = report.table();
-        if let Some(parent) = paths.first().and_then(|p| p.parent()) {
-            table += &format!("  written to               {}\n", parent.display());
-        }
-        // Nobody may be there to read it: the run has not failed for that, its files are written.
-        let _ = std::io::stdout().write_all(table.as_bytes());
         Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
     })
 }

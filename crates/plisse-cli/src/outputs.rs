@@ -1,5 +1,7 @@
 //! The files that a run leaves.
 
+use std::io::Write as _;
+
 use plisse::Result;
 use plisse::bake::islands::side_by_side;
 use plisse::field::curvature::vertex_normals;
@@ -10,6 +12,7 @@ use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw_among};
 use plisse::surface::Upsampled;
+use serde::Serialize;
 
 use crate::arguments::Up;
 
@@ -20,6 +23,30 @@ pub(crate) const BASE_SRGB: [u8; 3] = [206, 212, 220];
 
 /// Size of picture.png (pixels).
 const PICTURE_SIZE: (usize, usize) = (1600, 1200);
+
+/// Writes `value` as `name`, a JSON file.
+pub(crate) fn write_json(folder: &mut OutputFolder, name: &str, value: &impl Serialize) -> Result<()> {
+    folder.write(name, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}
+
+/// Prints `text`. Nobody may be there to read it (`| head`): the run has not failed for that, its files are written.
+pub(crate) fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Writes report.json, lets all files appear, and prints `table` with their folder below.
+pub(crate) fn leave(mut folder: OutputFolder, report: &impl Serialize, mut table: String) -> Result<()> {
+    write_json(&mut folder, "report.json", report)?;
+    let paths = folder.commit()?;
+    if let Some(parent) = paths.first().and_then(|p| p.parent()) {
+        table += &format!("  written to               {}\n", parent.display());
+    }
+    say(&table);
+    Ok(())
+}
 
 /// Texture coordinates of a mesh.
 pub(crate) struct Texture {

@@ -1,6 +1,5 @@
 //! The road that both commands share: from a pose to files.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -168,17 +167,8 @@ pub(crate) fn finish(
     }
     report.seconds.surface = surface_begun.elapsed().as_secs_f64();
     report.seconds.total = begun.elapsed().as_secs_f64();
-    folder.write("report.json", |out| {
-        serde_json::to_writer_pretty(&mut *out, &report)?;
-        out.write_all(b"\n")
-    })?;
-    let paths = folder.commit()?;
+    let table = report.table();
+    outputs::leave(folder, &report, table)?;
     drop(spinner);
-    let mut table = report.table();
-    if let Some(parent) = paths.first().and_then(|p| p.parent()) {
-        table += &format!("  written to               {}\n", parent.display());
-    }
-    // Nobody may be there to read it (`| head`): the run has not failed for that, its files are written.
-    let _ = std::io::stdout().write_all(table.as_bytes());
     Ok(if was_interrupted { Done::Interrupted } else { Done::Whole })
 }

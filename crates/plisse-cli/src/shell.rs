@@ -1,6 +1,5 @@
 //! `plisse shell`: a scene file to a shell whose mesh itself bears the wrinkles, for comparison with `plisse solve`.
 
-use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -18,7 +17,7 @@ use serde::Serialize;
 
 use crate::Done;
 use crate::arguments::{ShellArguments, Start, Up};
-use crate::outputs::{BASE_SRGB, CLOTH, CLOTH_SRGB, draw_panels, panel_texture};
+use crate::outputs::{self, BASE_SRGB, CLOTH, CLOTH_SRGB, draw_panels, panel_texture};
 use crate::progress::Bars;
 use crate::report::{BaseSummary, ending_name, measured_row};
 use crate::road::{open_output_at, with_threads};
@@ -149,12 +148,6 @@ fn write(
         let picture = picture(built, start, pose);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
     }
-    folder.write("report.json", |out| {
-        serde_json::to_writer_pretty(&mut *out, &report)?;
-        out.write_all(b"\n")
-    })?;
-    let paths = folder.commit()?;
-    drop(spinner);
     let mut table = format!("{}\n", report.title);
     let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
     row("mesh", format!("{} vertices, {} faces", report.vertices, report.faces));
@@ -172,10 +165,8 @@ fn write(
     for note in &report.notes {
         table += &format!("  note: {note}\n");
     }
-    if let Some(parent) = paths.first().and_then(|p| p.parent()) {
-        table += &format!("  written to               {}\n", parent.display());
-    }
-    let _ = std::io::stdout().write_all(table.as_bytes());
+    outputs::leave(folder, &report, table)?;
+    drop(spinner);
     Ok(())
 }
 

@@ -1,13 +1,12 @@
 //! Base colour images: decoded from files or woven here, sampled like the GPU does it without mip levels.
 
-use image::ImageReader;
 use plisse::{Error, Result};
 
 use crate::shade::from_srgb;
 use crate::{Vec2, Vec3};
 
 /// Largest side (pixels) that every GPU takes.
-const LARGEST: u32 = 4096;
+const LARGEST: usize = 4096;
 
 /// An sRGB image, rows from the top; texture coordinates (0, 0) are its upper left corner, as in glTF. It repeats.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,15 +44,25 @@ impl Texture {
     /// # Errors
     /// [`Error::Mesh`] at `place` if it is neither, or broken.
     pub fn decode(place: &str, bytes: &[u8]) -> Result<Self> {
-        let bad = |e: &dyn std::fmt::Display| Error::mesh(place, format!("its image cannot be read ({e}); save it as PNG or JPEG again"));
-        let reader = ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e))?;
-        let mut image = reader.decode().map_err(|e| bad(&e))?;
-        while image.width().max(image.height()) > LARGEST {
-            image = image.thumbnail_exact((image.width() / 2).max(1), (image.height() / 2).max(1));
+        let decoded = if bytes.starts_with(b"\x89PNG") { from_png(bytes) } else { from_jpeg(bytes) };
+        let mut texture =
+            decoded.map_err(|e| Error::mesh(place, format!("its image cannot be read ({e}); save it as PNG or JPEG again")))?;
+        while texture.width.max(texture.height) > LARGEST {
+            texture = texture.halved();
         }
-        let image = image.to_rgba8();
-        let rgba = image.pixels().map(|p| [p.0[0], p.0[1], p.0[2], 255]).collect();
-        Ok(Self { width: image.width() as usize, height: image.height() as usize, rgba })
+        Ok(texture)
+    }
+
+    /// Half as large; each pixel is the mean of four.
+    fn halved(&self) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let at = |x: usize, y: usize| self.rgba[y.min(self.height - 1) * self.width + x.min(self.width - 1)];
+        let mean = |i: usize| {
+            let (x, y) = (2 * (i % width), 2 * (i / width));
+            let four = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+            std::array::from_fn(|c| (four.iter().map(|p| u32::from(p[c])).sum::<u32>() / 4) as u8)
+        };
+        Self { width, height, rgba: (0..width * height).map(mean).collect() }
     }
 
     /// Linear colour at `uv`: bilinear between linear values of the four nearest pixels, repeating.
@@ -74,6 +83,32 @@ impl Texture {
     }
 }
 
+/// An image with `channels` bytes a pixel: grey or red, green, blue, and perhaps opacity, which is left out.
+fn from_channels(width: usize, height: usize, channels: usize, bytes: &[u8]) -> std::result::Result<Texture, String> {
+    if !(1..=4).contains(&channels) || width * height == 0 || bytes.len() < width * height * channels {
+        return Err(format!("{width} x {height} pixels of {channels} channels"));
+    }
+    let colour = |p: &[u8]| if channels < 3 { [p[0], p[0], p[0], 255] } else { [p[0], p[1], p[2], 255] };
+    Ok(Texture { width, height, rgba: bytes.chunks_exact(channels).take(width * height).map(colour).collect() })
+}
+
+fn from_png(bytes: &[u8]) -> std::result::Result<Texture, String> {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|e| e.to_string())?;
+    let mut data = vec![0; reader.output_buffer_size().ok_or("too large")?];
+    let info = reader.next_frame(&mut data).map_err(|e| e.to_string())?;
+    from_channels(info.width as usize, info.height as usize, info.color_type.samples(), &data)
+}
+
+fn from_jpeg(bytes: &[u8]) -> std::result::Result<Texture, String> {
+    let mut decoder = zune_jpeg::JpegDecoder::new(std::io::Cursor::new(bytes));
+    let data = decoder.decode().map_err(|e| format!("{e:?}"))?;
+    let info = decoder.info().ok_or("no size")?;
+    let (width, height) = (usize::from(info.width), usize::from(info.height));
+    from_channels(width, height, data.len() / (width * height).max(1), &data)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,7 +119,18 @@ mod tests {
         for (u, value) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (1.0, 0.5), (-0.25, 1.0), (3.25, 0.0)] {
             assert!((texture.at(&Vec2::new(u, 0.3)).x - value).abs() < 1e-5, "{u}");
         }
-        assert!(Texture::decode("x", b"no image").is_err());
+        for broken in [&b"no image"[..], b"", b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xe0"] {
+            let text = Texture::decode("x", broken).unwrap_err().to_string();
+            assert!(text.starts_with("x: its image cannot be read") && text.ends_with("again"), "{text}");
+        }
+        let jpeg = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/images/live/square.jpg")).unwrap();
+        let picture = Texture::decode("square.jpg", &jpeg).unwrap();
+        assert_eq!((picture.width, picture.height), (1380, 312));
+        // Its corner is the background, but for the losses of JPEG.
+        let corner = picture.rgba[0];
+        assert!((0..3).all(|c| corner[c].abs_diff(crate::draw::BACKGROUND[c]) < 8), "{corner:?}");
+        let small = Texture { width: 3, height: 2, rgba: (0..6).map(|i| [40 * i, 0, 255, 255]).collect() }.halved();
+        assert_eq!((small.width, small.height, small.rgba), (1, 1, vec![[80, 0, 255, 255]]));
         assert!(Texture::checked().rgba.len() == 512 * 512);
     }
 }

@@ -1,7 +1,6 @@
 //! `plisse live --bench`: milliseconds per stage, on the GPU and by the twins, for the paper's two cases and larger meshes.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -25,6 +24,7 @@ use serde_json::json;
 
 use crate::Done;
 use crate::arguments::LiveArguments;
+use crate::outputs::{say, write_json};
 use crate::progress::Bars;
 
 /// Size of the pictures, that of the paper's benchmark (pixels).
@@ -87,12 +87,10 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
         })
         .collect();
     folder.write("bench.md", |out| out.write_all(table.as_bytes()))?;
-    folder.write("bench.json", |out| {
-        serde_json::to_writer_pretty(&mut *out, &json!({"adapter": adapter, "threads": rayon::current_num_threads(), "cases": list}))?;
-        out.write_all(b"\n")
-    })?;
+    let whole = json!({"adapter": adapter, "threads": rayon::current_num_threads(), "cases": list});
+    write_json(&mut folder, "bench.json", &whole)?;
     folder.commit()?;
-    let _ = std::io::stdout().write_all(table.as_bytes());
+    say(&table);
     Ok(if rows.len() < CASES.len() { Done::Interrupted } else { Done::Whole })
 }
 

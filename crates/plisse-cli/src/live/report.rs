@@ -1,6 +1,5 @@
 //! report.json of `plisse live`, and its short table.
 
-use std::io::Write as _;
 use std::path::Path;
 
 use plisse::Result;
@@ -11,6 +10,7 @@ use serde_json::json;
 
 use crate::animated::Animated;
 use crate::arguments::LiveArguments;
+use crate::outputs::{say, write_json};
 
 /// What a run found.
 #[derive(Default)]
@@ -101,10 +101,7 @@ impl Report {
             "notes": self.notes,
             "seconds_total": self.seconds_total,
         });
-        folder.write("report.json", |out| {
-            serde_json::to_writer_pretty(&mut *out, &report)?;
-            out.write_all(b"\n")
-        })?;
+        write_json(&mut folder, "report.json", &report)?;
         folder.commit().map(|_| ())
     }
 
@@ -131,6 +128,6 @@ impl Report {
             table += &format!("  note: {note}\n");
         }
         table += &format!("  written to               {}\n", path.display());
-        let _ = std::io::stdout().write_all(table.as_bytes());
+        say(&table);
     }
 }

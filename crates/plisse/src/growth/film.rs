@@ -281,15 +281,13 @@ impl Problem for Film<'_> {
     }
 
     fn longest_step(&self, _: &[f64], direction: &[f64]) -> f64 {
-        let Some(barrier) = &self.barrier else { return 1.0 };
-        let part = |v: usize| {
-            let by = Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
+        let by = |v: usize| {
+            Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
                 NONE => 0.0,
                 u => direction[u] * self.length_m,
-            });
-            barrier.longest_move(&self.pose[v], &by)
+            })
         };
-        (0..self.pose.len()).into_par_iter().with_min_len(CHUNK).map(part).reduce(|| 1.0, f64::min)
+        self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by))
     }
 
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {

@@ -6,6 +6,8 @@
 //! floor at about 0.8 of it).
 //! Several obstacles add up. There is no friction.
 
+use rayon::prelude::*;
+
 use crate::mesh::{Mat3, Vec3};
 use crate::obstacle::Obstacle;
 
@@ -15,6 +17,9 @@ use super::setup::Setup;
 const APPROACH: f64 = 0.8;
 /// Steps of conservative advancement at most.
 const MOST_ADVANCES: usize = 64;
+
+/// Vertices that one thread takes at least.
+const CHUNK: usize = 128;
 
 /// The contact energy of all vertices.
 #[derive(Clone, Debug)]
@@ -68,6 +73,12 @@ impl<'a> Barrier<'a> {
             touched = true;
         }
         touched.then_some(push)
+    }
+
+    /// The longest part (0 to 1) of a step on which all of `positions` (`[V]`, m), each moved by `by(v)` (m), keep clear.
+    pub(crate) fn longest_step(&self, positions: &[Vec3], by: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+        let parts = positions.par_iter().enumerate().with_min_len(CHUNK);
+        parts.map(|(v, p)| self.longest_move(p, &by(v))).reduce(|| 1.0, f64::min)
     }
 
     /// The longest part (0 to 1) of the move from `p` by `by` (m) on which the point keeps clear of every obstacle: conservative
