@@ -1,4 +1,4 @@
-//! `[growth]`: what a scene file may say about growth. Types and defaults; [`super::check`] says what the types cannot.
+//! `[growth]`: what a scene file may say about growth. Types and defaults; `check` says what the types cannot.
 
 use std::fmt;
 use std::path::PathBuf;
