@@ -37,8 +37,8 @@ pub(crate) enum Command {
     /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled geometry
     #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk --frames 60 -o out/walk\n  \
         plisse live shirt --wavelength 0.05 --export out/shirt.glb\n  plisse live --bench\n\n\
-        Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. Runs on the GPU, or on a Vulkan driver that\n\
-        stands in for one, by wgpu; with --cpu on the processor alone. Lengths are in metres (m), angles in degrees, times in seconds (s).\n\
+        Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. Runs on the GPU, or on a driver that\n\
+        stands in for one; with --cpu on the processor alone. Lengths are in metres (m), angles in degrees, times in seconds (s).\n\
         Ctrl-C stops and keeps the frames that are done.")]
     Live(LiveArguments),
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
@@ -212,7 +212,7 @@ pub(crate) struct LiveArguments {
     /// Measure milliseconds per stage on the paper's two cases and on 10k, 100k and 1M vertices instead
     #[arg(long, conflicts_with_all = ["model", "export", "frames"])]
     pub(crate) bench: bool,
-    /// Folder for the results [default: out/NAME, after the model]
+    /// Folder for the results [default: out/NAME/live, after the model]
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
     /// Threads to use [default: one for each core]; the results do not depend on it
