@@ -11,14 +11,15 @@ use plisse_live::crush::{CrushInput, Crushed, crush};
 use plisse_live::draw::{Look, Picture, SAMPLES, draw};
 use plisse_live::gather::gather;
 use plisse_live::live::LiveOptions;
-use plisse_live::model::Model;
+use plisse_live::model::{Model, Morph};
 use plisse_live::profile::Profile;
 use plisse_live::relax::{mismatch, relax, spread};
+use plisse_live::render::Corner;
 use plisse_live::shade::from_srgb;
 use plisse_live::skin::{Pose, Skinned, pose, skin};
 use plisse_live::texture::Texture;
 use plisse_live::unify::{Unified, fill_normals};
-use plisse_live::{Vec3, field, gltf_in, models, wrap};
+use plisse_live::{Vec3, bias, field, gltf_in, models, wrap};
 
 /// Largest differences between a stage and its twin, given the same input.
 /// Positions, as a share of the model's size.
@@ -138,6 +139,24 @@ fn check_relax(found: &[f32], twin: &[f32], torn: impl Fn(usize) -> bool) -> Res
     Ok(())
 }
 
+fn check_gather(found: &[[f32; 40]], twin: &[[Corner; 3]], size: f32) -> Result<(), String> {
+    for (f, (face, corners)) in found.iter().zip(twin).enumerate() {
+        for (c, corner) in corners.iter().enumerate() {
+            let vector = |at: usize| Vec3::from_column_slice(&face[at + 4 * c..at + 4 * c + 3]);
+            let same = vector(0) == corner.position && vector(24) == corner.wave && (vector(12) - corner.normal).norm() < NORMAL;
+            let amplitude = (face[4 * c + 3] - corner.amplitude_m).abs() < 1e-6 * size;
+            if !(same
+                && amplitude
+                && face[12 + 4 * c + 3] == corner.phase
+                && [face[24 + 4 * c + 3], face[36 + c]] == [corner.uv.x, corner.uv.y])
+            {
+                return Err(format!("corner {c} of face {f} is not {corner:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn check_picture(found: &Picture, twin: &Picture) -> Result<f32, String> {
     let off = |(a, b): &(&[u8], &[u8])| (0..3).any(|c| (from_srgb(a[c]) - from_srgb(b[c])).abs() > LIGHT);
     let share = found.image.pixels.chunks(3).zip(twin.image.pixels.chunks(3)).filter(off).count() as f32 / twin.covered.max(1) as f32;
@@ -187,16 +206,11 @@ fn every_stage_is_its_twin() {
             // Gather: a copy, so the same numbers.
             let drawn = skin(&subject.model.draw, &now);
             let corners = gather(&subject.model, unified, &found.posed, &drawn, &found.crushed, &found.phase);
-            for (f, face) in live.read_faces(&gpu).unwrap().iter().enumerate() {
-                for (c, corner) in corners[f].iter().enumerate() {
-                    let position = Vec3::from_column_slice(&face[4 * c..4 * c + 3]);
-                    let normal = Vec3::from_column_slice(&face[12 + 4 * c..12 + 4 * c + 3]);
-                    let wave = Vec3::from_column_slice(&face[24 + 4 * c..24 + 4 * c + 3]);
-                    assert!(position == corner.position && wave == corner.wave && (normal - corner.normal).norm() < NORMAL, "{name}: {f}");
-                    assert!((face[4 * c + 3] - corner.amplitude_m).abs() < 1e-6 * subject.size() && face[12 + 4 * c + 3] == corner.phase);
-                    assert!(face[24 + 4 * c + 3] == corner.uv.x && face[36 + c] == corner.uv.y);
-                }
-            }
+            let faces = live.read_faces(&gpu).unwrap();
+            check_gather(&faces, &corners, subject.size()).unwrap_or_else(|e| panic!("{name}: gather: {e}"));
+            let mut elsewhere = corners.clone();
+            elsewhere[0][2].phase += 1e-3;
+            assert!(check_gather(&faces, &elsewhere, subject.size()).is_err(), "{name}");
             // Each comparison is shown to fail, on models that move.
             if (0..skinned.positions.len()).any(|v| (later.positions[v] - skinned.positions[v]).norm() > 1e-3 * subject.size()) {
                 assert!(check_skin(&found.posed, &later, subject.size()).is_err(), "{name}");
@@ -258,6 +272,38 @@ fn render_is_its_twin() {
             assert!(check_picture(&picture, &draw(&faces, &Look { profile: &pencil, ..look }, &camera, size)).is_err(), "{name}");
         }
     }
+}
+
+#[test]
+fn morphs_eight_influences_and_biases_are_the_twins_too() {
+    let Some(gpu) = gpu() else { return };
+    let mut model = models::sleeve();
+    let shifts = model.draw.positions.iter().map(|x| Vec3::new(0.0, 0.3 * x.x * x.x, -0.1 * x.x)).collect();
+    model.draw.morphs.push(Morph { positions: shifts, normals: vec![Vec3::new(0.1, 0.0, 0.2); model.draw.positions.len()] });
+    model.morph_weights.push(0.0);
+    for v in 0..model.draw.weights.len() {
+        model.draw.joints[v][5] = model.draw.joints[v][0];
+        model.draw.weights[v][0] *= 0.5;
+        model.draw.weights[v][5] = model.draw.weights[v][0];
+    }
+    let subject = Subject::new(model);
+    let unified = &subject.unified;
+    let painted = bias::random(unified, 0.7, 3);
+    let characters = [Character { bias: &painted, ..subject.character() }];
+    let options = LiveOptions { bias: painted.clone(), ..options(&subject) };
+    let mut now = subject.pose(0.6);
+    now.morph_weights = vec![0.7];
+    let mut live = Live::new(&gpu, &characters).unwrap();
+    live.begin(&gpu, &characters, &[&now], &options).unwrap();
+    let found = live.read(&gpu).unwrap();
+    check_skin(&found.posed, &skin(&unified.vertices, &now), subject.size()).unwrap();
+    let without = Pose { morph_weights: vec![0.0], ..now.clone() };
+    assert!(check_skin(&found.posed, &skin(&unified.vertices, &without), subject.size()).is_err());
+    let twin = |bias| crush(unified, &found.posed, &CrushInput { wavelength_m: &options.wavelength_m, bias, last_direction: &[] });
+    let biased = twin(&painted);
+    let compared = check_crush(&found.crushed, &biased, |v| biased.strength[v] > 0.3).unwrap();
+    assert!(compared > 50, "{compared}");
+    assert!(check_crush(&found.crushed, &twin(&[]), |_| true).is_err());
 }
 
 #[test]
