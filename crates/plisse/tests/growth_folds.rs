@@ -9,6 +9,7 @@ use plisse::growth::equilibrium::grow_through;
 use plisse::growth::measure::{Reached, Relief, Window, offsets_m, reached};
 use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, Procedure, grow};
 use plisse::linalg::newton::Ending;
+use plisse::mesh::crossing::crossing_pairs;
 use plisse::mesh::{Vec2, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::progress::Silent;
@@ -305,4 +306,20 @@ fn folds_stay_where_a_narrow_band_grows() {
     let high = |chosen: &dyn Fn(f64) -> bool| (0..n).filter(|&v| chosen(off(v))).map(|v| pose[v].z.abs()).fold(0.0, f64::max);
     let (inside, outside) = (high(&|off| off < 0.2), high(&|off| off > 0.42));
     assert!(inside > 3.0 * outside, "{inside} {outside}");
+}
+
+/// Tripled between its sides, folds lean into each other: they cross unless they are kept apart.
+#[test]
+fn folds_cross_only_where_they_may() {
+    let sheet = lattice(32, 10);
+    let square = Square::new(sheet, 3.0, 4.0, 2.0);
+    let crossing = |self_contact: bool| {
+        let growing = Growing { self_contact, ..square.growing() };
+        let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
+        let last = report.steps.last().unwrap();
+        assert!(last.residual < 0.1, "{last:?}");
+        crossing_pairs(&square.sheet.topology.faces, &pose).len()
+    };
+    assert_eq!(crossing(true), 0);
+    assert!(crossing(false) > 10);
 }

@@ -3,6 +3,7 @@
 use plisse::growth::GrowthReport;
 use plisse::growth::measure::Reached;
 use plisse::mesh::Vec3;
+use plisse::mesh::crossing::crossing_pairs;
 use plisse::scene::BuiltGrowth;
 use plisse::scene::growth::Counted;
 use serde::Serialize;
@@ -32,6 +33,8 @@ pub(super) struct Report {
     pub(super) tolerance: f64,
     pub(super) offset_min_m: f64,
     pub(super) offset_max_m: f64,
+    /// Pairs of faces that cross each other, told exactly.
+    pub(super) self_intersecting_pairs: usize,
     pub(super) folds: Vec<Counted>,
     pub(super) frames: usize,
     pub(super) notes: Vec<String>,
@@ -96,6 +99,7 @@ impl Report {
             tolerance: grown.options.tolerance,
             offset_min_m: offsets.iter().copied().fold(0.0, f64::min),
             offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
+            self_intersecting_pairs: crossing_pairs(&built.topology.faces, pose).len(),
             folds,
             frames: 0,
             notes: Vec::new(),
@@ -121,6 +125,7 @@ impl Report {
             row("length", format!("{:.1} % of what was asked, where nothing is frozen", 100.0 * length));
         }
         row("offset", format!("from {:.4e} to {:.4e} m", self.offset_min_m, self.offset_max_m));
+        row("crossing", format!("{} pairs of faces", self.self_intersecting_pairs));
         for count in &self.folds {
             row(
                 &count.name,

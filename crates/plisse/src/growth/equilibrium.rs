@@ -12,12 +12,15 @@
 
 use std::time::Instant;
 
+use super::bands::{Banded, check_bands};
 use super::expansion::{Expansion, scale_edges, vertex_normals};
 use super::film::{CrestTension, Film, Foundation};
 use super::fold_angle::softening;
 use super::procedure::roughness;
+use super::self_contact::SelfContact;
 use crate::linalg::newton::{Convexity, Ending, Options, minimise};
 use crate::material::Material;
+use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::{Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::progress::Observer;
@@ -35,6 +38,8 @@ const LUMP: f64 = 0.5;
 const LEVELS: f64 = 1.35;
 /// How much more force than at the end may be left after a step that others follow, and how many iterations it may take.
 const PASSING: (f64, usize) = (10.0, 60);
+/// Longest move of a vertex in one iteration, in edges, where folds may meet.
+const LONGEST_MOVE: f64 = 2.0;
 /// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of folds is chosen.
 const CHOOSING: f64 = 3.0;
 
@@ -61,12 +66,16 @@ pub struct Growing<'a> {
     pub stickiness: Vec<f64>,
     /// `[V]` axes along which each vertex is frozen.
     pub frozen: Vec<[bool; 3]>,
+    /// Sets of vertices that move as one.
+    pub bands: Vec<Vec<usize>>,
     /// What pushes.
     pub loads: Loads,
     /// Bodies that no vertex enters.
     pub obstacles: &'a [Obstacle],
     /// Distance (m) from an obstacle within which it pushes back.
     pub contact_thickness_m: f64,
+    /// Whether folds keep from passing through each other, about the film's thickness apart.
+    pub self_contact: bool,
 }
 
 impl<'a> Growing<'a> {
@@ -91,9 +100,11 @@ impl<'a> Growing<'a> {
             bias: vec![0.0; n],
             stickiness: vec![0.0; n],
             frozen: vec![[false; 3]; n],
+            bands: Vec::new(),
             loads: Loads::default(),
             obstacles: &[],
             contact_thickness_m: 1e-3,
+            self_contact: true,
         }
     }
 
@@ -139,7 +150,7 @@ impl<'a> Growing<'a> {
     ///
     /// # Errors
     /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too large for its folds, or if all is frozen;
-    /// [`Error::Mesh`] naming a vertex that starts in an obstacle.
+    /// [`Error::Mesh`] naming a vertex that starts in an obstacle, or two faces that cross.
     pub fn check(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
@@ -153,6 +164,7 @@ impl<'a> Growing<'a> {
         map("coherence_m", &self.coherence_m, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number of metres")?;
         map("bias", &self.bias, |x| x.is_finite() && x.abs() <= 1.0, "give a share of the wavelength from -1 to 1")?;
         map("stickiness", &self.stickiness, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number")?;
+        check_bands(&self.bands, &self.frozen)?;
         if self.frozen.iter().flatten().all(|&frozen| frozen) {
             return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
         }
@@ -166,6 +178,10 @@ impl<'a> Growing<'a> {
                 );
                 return Err(Error::value("growth.wavelength_m", message));
             }
+        }
+        if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first().filter(|_| self.self_contact) {
+            let message = format!("faces {f} and {g} of the starting surface cross; part them, or set growth.self_contact = false");
+            return Err(Error::mesh("growth", message));
         }
         if let Some(v) = (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0)) {
             return Err(Error::mesh("growth", format!("vertex {v} of the starting surface is inside an obstacle; move it out")));
@@ -401,6 +417,15 @@ impl<'a, 'b> Prepared<'a, 'b> {
         bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
     }
 
+    /// What keeps the surface from passing through itself, pushing about as hard as the foundation does under a fold.
+    fn contact(&self, foundation: &[Foundation]) -> Option<SelfContact<'b>> {
+        let growing = self.growing;
+        let strength: Vec<f64> =
+            foundation.iter().zip(&growing.wavelength_m).map(|(held, wavelength)| held.stiffness * wavelength).collect();
+        let reach = self.material.thickness_m;
+        growing.self_contact.then(|| SelfContact::new(growing.topology, growing.start, reach, LONGEST_MOVE * self.mean_edge_m, &strength))
+    }
+
     fn settle(
         &self,
         part: f64,
@@ -443,7 +468,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             contact_thickness_m: growing.contact_thickness_m,
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
-        let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?;
+        let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?.apart(self.contact(&foundation));
         let (loose, most_iterations) = if exactly { (1.0, options.iteration_limit) } else { PASSING };
         let force = options.onset() * self.mean_edge_m / film.length_m();
         let newton = Options {
@@ -454,19 +479,30 @@ impl<'a, 'b> Prepared<'a, 'b> {
             ridge: 1e-14,
             energy_unit_joule: film.unit_joule(),
         };
-        let begin = film.pack(pose);
-        let outcome = minimise(&mut film, &begin, &newton, observer)?;
+        let (unit_joule, length_m, begin) = (film.unit_joule(), film.length_m(), film.pack(pose));
+        let outcome = if growing.bands.is_empty() {
+            let outcome = minimise(&mut film, &begin, &newton, observer)?;
+            film.unpack(&outcome.x, pose);
+            outcome
+        } else {
+            let unknown = film.unknowns().to_vec();
+            let mut banded = Banded::new(film, &growing.bands, &unknown, growing.start, &self.area_m2, length_m);
+            let begin = banded.pack(&begin, growing.start, pose);
+            let outcome = minimise(&mut banded, &begin, &newton, observer)?;
+            banded.inner().unpack(&banded.unpack(&outcome.x), pose);
+            banded.straighten(growing.start, pose);
+            outcome
+        };
         if !outcome.energy.is_finite() {
             return Err(Error::numeric("grow", "the energy is not a finite number; check the expansion and the loads"));
         }
-        film.unpack(&outcome.x, pose);
         Ok(StepReport {
             part,
             iterations: outcome.iterations,
             ending: outcome.ending,
             residual: outcome.projected_gradient / force,
-            residual_newton: outcome.projected_gradient * film.unit_joule() / film.length_m(),
-            energy_joule: outcome.energy * film.unit_joule(),
+            residual_newton: outcome.projected_gradient * unit_joule / length_m,
+            energy_joule: outcome.energy * unit_joule,
         })
     }
 }

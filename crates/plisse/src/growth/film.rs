@@ -11,11 +11,14 @@
 //!   T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² + D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs
 //!   second derivatives, which on irregular triangles let a stiff direction leak into the soft one.
 //!
+//! - contact with itself, if it is asked for: [`SelfContact`].
+//!
 //! All but membrane, sticking and contact is quadratic in u: one constant matrix.
 
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
+use super::self_contact::{SelfContact, Touch};
 use crate::Result;
 use crate::linalg::newton::{Convexity, Problem};
 use crate::linalg::sparse::SymmetricPattern;
@@ -67,6 +70,12 @@ pub struct Film<'a> {
     slots: Vec<[u32; 45]>,
     pose: Vec<Vec3>,
     product: Vec<f64>,
+    contact: Option<SelfContact<'a>>,
+    /// What touches where it was last linearised.
+    touches: Vec<Touch>,
+    /// Whether touches were looked for at all, and whether they coupled what was not coupled before.
+    looked: bool,
+    recoupled: bool,
 }
 
 impl<'a> Film<'a> {
@@ -132,9 +141,23 @@ impl<'a> Film<'a> {
             slots,
             pose: start.to_vec(),
             product: vec![0.0; size],
+            contact: None,
+            touches: Vec::new(),
+            looked: false,
+            recoupled: false,
         };
         film.gather(&bending, crests);
         Ok(film)
+    }
+
+    /// The film, kept from passing through itself.
+    pub(super) fn apart(self, contact: Option<SelfContact<'a>>) -> Self {
+        Self { contact, ..self }
+    }
+
+    /// `[V][3]` the unknown of each coordinate; [`NONE`] where it is held.
+    pub(super) fn unknowns(&self) -> &[[usize; 3]] {
+        &self.unknown
     }
 
     /// Joules in one unit of energy.
@@ -233,7 +256,56 @@ impl<'a> Film<'a> {
     fn energy_here(&self, x: &[f64]) -> f64 {
         let quadratic: f64 = x.iter().zip(&self.product).map(|(x, y)| x * y).sum();
         let faces = Self::sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
-        0.5 * quadratic + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v))) / self.unit_joule
+        let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(&self.pose));
+        0.5 * quadratic + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact) / self.unit_joule
+    }
+
+    /// Looks for what touches, once before the first energy.
+    fn look(&mut self) {
+        if let Some(contact) = self.contact.as_mut().filter(|_| !self.looked) {
+            contact.look(&self.pose);
+        }
+        self.looked = true;
+    }
+
+    /// What touches here, with room for its couplings in the pattern.
+    fn touch(&mut self) {
+        let Some(contact) = &self.contact else { return };
+        self.touches = contact.touches(&self.pose);
+        // Bending couples like axes only; what touches couples all.
+        let coupled = |u: usize, v: usize| {
+            let free = |v: usize| self.unknown[v].into_iter().filter(|&unknown| unknown != NONE);
+            let found = |i: Option<usize>, j: Option<usize>| i.zip(j).is_none_or(|(i, j)| self.pattern.find(i, j).is_some());
+            found(free(u).next(), free(v).last()) && found(free(u).last(), free(v).next())
+        };
+        let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| coupled(touch.vertices[k], touch.vertices[l])));
+        if self.touches.iter().all(known) {
+            return;
+        }
+        let lists: Vec<Vec<usize>> = contact.soon(&self.pose).iter().map(|list| free(list.iter().flat_map(|&v| self.unknown[v]))).collect();
+        let (pattern, places) = self.pattern.extended(lists.iter().map(Vec::as_slice));
+        let mut constant = vec![0.0; pattern.entry_count()];
+        for (&place, &value) in places.iter().zip(&self.constant) {
+            constant[place] = value;
+        }
+        for slot in self.slots.iter_mut().flatten().filter(|slot| **slot != u32::MAX) {
+            *slot = places[*slot as usize] as u32;
+        }
+        (self.pattern, self.constant, self.recoupled) = (pattern, constant, true);
+    }
+
+    /// Adds what touches to the Hessian's values.
+    fn add_touches(&self, values: &mut [f64], scale: f64) {
+        for touch in &self.touches {
+            for k in 0..12 {
+                for l in 0..=k {
+                    let (i, j) = (self.unknown[touch.vertices[k / 3]][k % 3], self.unknown[touch.vertices[l / 3]][l % 3]);
+                    if i != NONE && j != NONE {
+                        values[self.pattern.slot(i, j)] += scale * touch.bend * touch.slope[k / 3][k % 3] * touch.slope[l / 3][l % 3];
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -248,11 +320,14 @@ impl Problem for Film<'_> {
 
     fn energy(&mut self, x: &[f64]) -> f64 {
         self.take(x);
+        self.look();
         self.energy_here(x)
     }
 
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.take(x);
+        self.look();
+        self.touch();
         gradient.copy_from_slice(&self.product);
         let scale = self.length_m / self.unit_joule;
         let slopes: Vec<_> =
@@ -277,17 +352,33 @@ impl Problem for Film<'_> {
                 add(v, axis, force[axis]);
             }
         }
+        for touch in &self.touches {
+            for (&v, force) in touch.vertices.iter().zip(&touch.gradient) {
+                (0..3).for_each(|axis| add(v, axis, force[axis]));
+            }
+        }
         self.energy_here(x)
     }
 
-    fn longest_step(&self, _: &[f64], direction: &[f64]) -> f64 {
+    fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let by = |v: usize| {
             Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
                 NONE => 0.0,
                 u => direction[u] * self.length_m,
             })
         };
-        self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by))
+        let part = self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by));
+        match &mut self.contact {
+            Some(contact) => {
+                let moves: Vec<Vec3> = (0..self.pose.len()).map(|v| by(v) * part).collect();
+                part * contact.look_ahead(&self.pose, &moves)
+            }
+            None => part,
+        }
+    }
+
+    fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
+        std::mem::take(&mut self.recoupled).then(|| self.pattern.clone())
     }
 
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
@@ -314,6 +405,7 @@ impl Problem for Film<'_> {
                 add_vertex(&self.pattern, &self.unknown[v], &(block * scale), values);
             }
         }
+        self.add_touches(values, scale);
     }
 }
 

@@ -5,6 +5,7 @@
 //! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large
 //! fold; [`measure`] counts what came out; [`mod@remesh`] makes the mesh fine where it grows.
 
+mod bands;
 pub mod equilibrium;
 pub mod expansion;
 pub mod film;
@@ -13,6 +14,7 @@ pub mod measure;
 pub mod procedure;
 pub mod reference;
 pub mod remesh;
+mod self_contact;
 
 pub use equilibrium::{Growing, GrowthOptions, GrowthReport, StepReport, grow, grow_each};
 pub use expansion::Expansion;

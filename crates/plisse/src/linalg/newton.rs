@@ -33,9 +33,13 @@ pub trait Problem {
         false
     }
     /// The longest part (0 to 1) of the step `direction` from `x` that may be tried, where the energy has walls (contact).
-    fn longest_step(&self, x: &[f64], direction: &[f64]) -> f64 {
+    fn longest_step(&mut self, x: &[f64], direction: &[f64]) -> f64 {
         let _ = (x, direction);
         1.0
+    }
+    /// The new pattern, if unknowns came to be coupled (contact) that were not before; asked after [`Problem::linearise`].
+    fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
+        None
     }
     /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]);
@@ -101,7 +105,8 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let n = start.len();
     let lower = problem.lower_bounds();
     let mut cholesky = Cholesky::for_many(problem.pattern())?;
-    let diagonal: Vec<usize> = (0..n).map(|i| cholesky.pattern().slot(i, i)).collect();
+    let diagonal_of = |pattern: &SymmetricPattern| -> Vec<usize> { (0..n).map(|i| pattern.slot(i, i)).collect() };
+    let mut diagonal = diagonal_of(cholesky.pattern());
     let mut values = vec![0.0; cholesky.pattern().entry_count()];
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
     let mut gradient = vec![0.0; n];
@@ -122,6 +127,11 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         }
         if observer.cancelled() {
             break Ending::Cancelled;
+        }
+        if let Some(pattern) = problem.changed_pattern() {
+            diagonal = diagonal_of(&pattern);
+            values.resize(pattern.entry_count(), 0.0);
+            cholesky = Cholesky::for_many(pattern)?;
         }
         // Bertsekas' ε: unknowns this near to their bound count as at it.
         let near = residual.min(1e-3);

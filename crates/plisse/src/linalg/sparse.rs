@@ -59,6 +59,36 @@ impl SymmetricPattern {
         self.rows[start..self.columns[column + 1]].binary_search(&row).ok().map(|at| start + at)
     }
 
+    /// This pattern with the couplings of more elements, and where each of its own entries is stored there.
+    pub fn extended<'a>(&self, elements: impl Iterator<Item = &'a [usize]>) -> (Self, Vec<usize>) {
+        let mut more = Vec::new();
+        for element in elements {
+            for (p, &i) in element.iter().enumerate() {
+                more.extend(element[..p].iter().filter(|&&j| i != j).map(|&j| (i.min(j), i.max(j))));
+            }
+        }
+        more.sort_unstable();
+        more.dedup();
+        let (mut columns, mut rows, mut places) =
+            (vec![0], Vec::with_capacity(self.rows.len() + more.len()), Vec::with_capacity(self.rows.len()));
+        let mut more = more.into_iter().peekable();
+        for column in 0..self.size() {
+            for &row in &self.rows[self.columns[column]..self.columns[column + 1]] {
+                while let Some((_, new)) = more.next_if(|&(c, r)| c == column && r < row) {
+                    rows.push(new);
+                }
+                more.next_if_eq(&(column, row));
+                places.push(rows.len());
+                rows.push(row);
+            }
+            while let Some((_, new)) = more.next_if(|&(c, _)| c == column) {
+                rows.push(new);
+            }
+            columns.push(rows.len());
+        }
+        (Self { columns, rows }, places)
+    }
+
     /// Slots of an element's lower triangle, row by row: (0,0), (1,0), (1,1), (2,0), …
     pub fn element_slots(&self, element: &[usize]) -> impl Iterator<Item = usize> {
         element.iter().enumerate().flat_map(move |(p, &i)| element[..=p].iter().map(move |&j| self.slot(i, j)))
@@ -117,5 +147,19 @@ mod tests {
         pattern.isolate(&mut values, &[false, false, true, false, false]);
         pattern.multiply(&values, &[1.0, 10.0, 100.0, 1000.0, 7.0], &mut out);
         assert_eq!(out, [1.0, 1010.0, 200.0, 1010.0, 0.0]);
+    }
+
+    #[test]
+    fn an_extended_pattern_is_that_of_all_elements() {
+        let (old, new) = ([vec![2, 0], vec![1, 2, 3]], [vec![0, 4, 2], vec![3, 1]]);
+        let pattern = SymmetricPattern::from_elements(5, old.iter().map(Vec::as_slice));
+        let (longer, places) = pattern.extended(new.iter().map(Vec::as_slice));
+        let whole = SymmetricPattern::from_elements(5, old.iter().chain(&new).map(Vec::as_slice));
+        assert_eq!((&longer.columns, &longer.rows), (&whole.columns, &whole.rows));
+        for column in 0..5 {
+            for slot in pattern.columns[column]..pattern.columns[column + 1] {
+                assert_eq!(places[slot], longer.slot(pattern.rows[slot], column));
+            }
+        }
     }
 }

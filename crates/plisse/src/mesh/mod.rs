@@ -2,6 +2,7 @@
 //! ([`check`]), Loop subdivision ([`subdivide`]).
 
 pub mod check;
+pub mod crossing;
 pub mod grid;
 pub mod panel;
 pub(crate) mod scatter;

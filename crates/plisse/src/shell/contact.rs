@@ -106,8 +106,8 @@ impl<'a> Barrier<'a> {
     }
 }
 
-/// B(s) and its first two derivatives.
-fn barrier(s: f64) -> [f64; 3] {
+/// B(s) and its first two derivatives; infinite where s is 0 or less.
+pub(crate) fn barrier(s: f64) -> [f64; 3] {
     if s >= 1.0 {
         return [0.0; 3];
     }

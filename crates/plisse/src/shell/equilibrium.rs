@@ -389,7 +389,7 @@ impl Problem for Equilibrium<'_> {
         true
     }
 
-    fn longest_step(&self, _: &[f64], direction: &[f64]) -> f64 {
+    fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let by = |v: usize| {
             Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
                 NONE => 0.0,

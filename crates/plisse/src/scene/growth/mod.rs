@@ -40,6 +40,8 @@ pub struct BuiltGrowth {
     pub options: GrowthOptions,
     /// Steps of growth at least, if the scene says so.
     pub steps: Option<usize>,
+    /// Whether folds keep from passing through each other.
+    pub self_contact: bool,
     /// Where folds are counted.
     windows: Vec<count::Place>,
 }
@@ -59,9 +61,11 @@ impl BuiltGrowth {
             bias: self.bias.clone(),
             stickiness: self.stickiness.clone(),
             frozen: self.frozen.clone(),
+            bands: Vec::new(),
             loads: built.loads.clone(),
             obstacles: &built.obstacles,
             contact_thickness_m: built.contact_thickness_m,
+            self_contact: self.self_contact,
         }
     }
 
@@ -113,7 +117,9 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
-    let grown = BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps: table.steps, windows };
+    let (steps, self_contact) = (table.steps, table.self_contact.unwrap_or(true));
+    let grown =
+        BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps, self_contact, windows };
     grown.growing().check()?;
     Ok(grown)
 }

@@ -37,6 +37,8 @@ pub struct GrowthTable {
     pub imperfection: Option<f64>,
     /// Chooses the imperfections.
     pub seed: Option<u64>,
+    /// Whether folds keep from passing through each other; none: yes.
+    pub self_contact: Option<bool>,
     /// Newton iterations at most in each step.
     pub iteration_limit: Option<usize>,
 }
