@@ -140,6 +140,7 @@ pub fn solve(
         tolerance: options.tolerance,
         convexity: options.convexity,
         ridge: 1e-13,
+        leave_saddles: false,
         energy_unit_joule,
     };
     let outcome = minimise(&mut problem, &start, &newton, observer)?;

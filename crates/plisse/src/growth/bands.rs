@@ -470,6 +470,7 @@ mod tests {
             tolerance: 1e-9,
             convexity: Convexity::Clamped,
             ridge: 0.0,
+            leave_saddles: false,
             energy_unit_joule: 1.0,
         };
         let outcome = minimise(&mut banded, &begin, &options, &Silent).unwrap();

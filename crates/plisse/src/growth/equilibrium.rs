@@ -477,6 +477,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             tolerance: loose * options.tolerance * force,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
+            leave_saddles: false,
             energy_unit_joule: film.unit_joule(),
         };
         let (unit_joule, length_m, begin) = (film.unit_joule(), film.length_m(), film.pack(pose));

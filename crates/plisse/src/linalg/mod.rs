@@ -10,5 +10,6 @@ pub mod dissection;
 mod fronts;
 pub mod lattice;
 pub mod newton;
+mod saddle;
 pub mod small;
 pub mod sparse;

@@ -8,6 +8,7 @@
 //! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put them right.
 
 use super::cholesky::Cholesky;
+use super::saddle::downward;
 pub use super::small::Convexity;
 use super::sparse::SymmetricPattern;
 use crate::Result;
@@ -15,6 +16,10 @@ use crate::progress::{Observer, Step};
 
 /// Share of the largest diagonal entry that is added after the first short step (Levenberg–Marquardt).
 const FIRST_DAMPING: f64 = 1e-8;
+
+/// Saddles left at most, and the longest first step (largest component) away from one.
+const MOST_SADDLES: usize = 5;
+const LONGEST_LEAVE: f64 = 0.1;
 
 /// An energy that [`minimise`] can minimise.
 pub trait Problem {
@@ -58,6 +63,9 @@ pub struct Options {
     pub convexity: Convexity,
     /// Share of the largest diagonal entry that is added to each, so that directions without stiffness do not move.
     pub ridge: f64,
+    /// Whether to ask, where the gradient vanishes, that the energy be least there too, and to go on along a direction of negative
+    /// curvature if it is not. For problems without lower bounds.
+    pub leave_saddles: bool,
     /// Joules in one unit of energy, for the observer.
     pub energy_unit_joule: f64,
 }
@@ -116,11 +124,25 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut residual = largest_projected(&x, &lower, &gradient);
     let (mut exact_wait, mut exact_failures) = (0_u32, 0_u32);
     let mut settled = false;
+    let mut saddles = 0;
     let mut damping = options.ridge;
     let mut iterations = 0;
     let ending = loop {
         if residual <= options.tolerance {
-            break Ending::Converged;
+            if !options.leave_saddles || saddles == MOST_SADDLES {
+                break Ending::Converged;
+            }
+            saddles += 1;
+            let Some(way) = downward(problem, &mut cholesky, &mut values, &diagonal, options.convexity, options.ridge) else {
+                break Ending::Converged;
+            };
+            if !step_down(problem, &x, energy, &way, &mut trial) {
+                break Ending::Converged;
+            }
+            std::mem::swap(&mut x, &mut trial);
+            energy = problem.linearise(&x, &mut gradient);
+            residual = largest_projected(&x, &lower, &gradient);
+            settled = false;
         }
         if iterations >= options.iteration_limit {
             break Ending::IterationLimit;
@@ -215,6 +237,29 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         });
     };
     Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
+}
+
+/// Goes from the saddle `x` along `way` (either sign) as far as the energy falls well below `energy`; tells whether it does at all.
+fn step_down(problem: &mut dyn Problem, x: &[f64], energy: f64, way: &[f64], trial: &mut [f64]) -> bool {
+    let direction: Vec<f64> = way.iter().map(|w| w * LONGEST_LEAVE).collect();
+    let mut length = problem.longest_step(x, &direction);
+    let mut least = (energy - 1e-13 * energy.abs(), 0.0);
+    for _ in 0..30 {
+        for i in 0..x.len() {
+            trial[i] = x[i] + length * direction[i];
+        }
+        let there = problem.energy(trial);
+        if there < least.0 {
+            least = (there, length);
+        } else if least.1 > 0.0 {
+            break;
+        }
+        length *= 0.5;
+    }
+    for i in 0..x.len() {
+        trial[i] = x[i] + least.1 * direction[i];
+    }
+    least.1 > 0.0
 }
 
 fn largest_projected(x: &[f64], lower: &[f64], gradient: &[f64]) -> f64 {
@@ -355,6 +400,7 @@ mod tests {
             tolerance: 1e-10,
             convexity: Convexity::Mirrored,
             ridge: 1e-14,
+            leave_saddles: false,
             energy_unit_joule: 1.0,
         };
         let outcome = minimise(&mut Valley { hessian: [0.0; 3] }, &[4.0, -3.0], &options, &Silent).unwrap();
@@ -431,6 +477,7 @@ mod tests {
             tolerance: 1e-11,
             convexity: Convexity::Clamped,
             ridge: 0.0,
+            leave_saddles: false,
             energy_unit_joule: 1.0,
         };
         let steps = |left_out| minimise(&mut Chain { n: 400, left_out }, &[0.0; 400], &options, &Silent).unwrap();
@@ -438,5 +485,52 @@ mod tests {
         let (whole, bound) = (steps(true), steps(false));
         assert!(whole.iterations <= 6 && bound.iterations > 2 * whole.iterations, "{} {}", whole.iterations, bound.iterations);
         assert!(whole.x.iter().zip(&bound.x).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+
+    /// Two wells with a ridge between: x⁴/4 − x²/2 + (y − 1)²/2.
+    struct Wells {
+        x: f64,
+    }
+
+    impl Problem for Wells {
+        fn pattern(&self) -> SymmetricPattern {
+            SymmetricPattern::from_elements(2, [&[0, 1][..]].into_iter())
+        }
+        fn lower_bounds(&self) -> Vec<f64> {
+            vec![f64::NEG_INFINITY; 2]
+        }
+        fn energy(&mut self, x: &[f64]) -> f64 {
+            x[0].powi(4) / 4.0 - x[0] * x[0] / 2.0 + (x[1] - 1.0).powi(2) / 2.0
+        }
+        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+            self.x = x[0];
+            g.copy_from_slice(&[x[0].powi(3) - x[0], x[1] - 1.0]);
+            self.energy(x)
+        }
+        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+            let bend = 3.0 * self.x * self.x - 1.0;
+            values.copy_from_slice(&[if convexity == Convexity::Exact { bend } else { bend.max(1e-3) }, 0.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn saddles_are_left_if_that_is_asked_for() {
+        let options = |leave_saddles| Options {
+            stage: "test",
+            iteration_limit: 100,
+            tolerance: 1e-10,
+            convexity: Convexity::Clamped,
+            ridge: 1e-14,
+            leave_saddles,
+            energy_unit_joule: 1.0,
+        };
+        let found = |leave| minimise(&mut Wells { x: 0.0 }, &[0.0, 5.0], &options(leave), &Silent).unwrap();
+        assert_eq!(found(false).x, [0.0, 1.0]);
+        let left = found(true);
+        assert_eq!(left.ending, Ending::Converged);
+        assert!((left.x[0].abs() - 1.0).abs() < 1e-9 && (left.x[1] - 1.0).abs() < 1e-9, "{:?}", left.x);
+        // A minimum is not left.
+        let stays = minimise(&mut Wells { x: 0.0 }, &[1.0, 1.0], &options(true), &Silent).unwrap();
+        assert_eq!((stays.x, stays.iterations), (vec![1.0, 1.0], 0));
     }
 }

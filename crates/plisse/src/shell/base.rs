@@ -69,7 +69,7 @@ pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, obse
     setup.check()?;
     let (begin, resolved_faces) = prepare(setup, start)?;
     let bending = Bending::Quadratic(QuadraticBending::new(setup.topology, setup.rest, setup.material));
-    let effort = Effort { stage: "base", iteration_limit: options.iteration_limit, tolerance: options.tolerance };
+    let effort = Effort { stage: "base", iteration_limit: options.iteration_limit, tolerance: options.tolerance, leave_saddles: false };
     let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
     let pose = settled.pose;
     let mut states = [0; 3];
@@ -103,6 +103,8 @@ pub(super) struct Effort {
     pub(super) iteration_limit: usize,
     /// Largest gradient component at the end, in units of Young's modulus · thickness · size.
     pub(super) tolerance: f64,
+    /// Whether to go on from where the shell is in equilibrium but about to buckle.
+    pub(super) leave_saddles: bool,
 }
 
 /// An equilibrium, and how it was found.
@@ -137,6 +139,7 @@ pub(super) fn settle(
         tolerance: effort.tolerance,
         convexity: Convexity::Clamped,
         ridge: 1e-14,
+        leave_saddles: effort.leave_saddles,
         energy_unit_joule: unit_joule,
     };
     let x = problem.pack(begin);

@@ -66,7 +66,7 @@ pub fn solve_reference(
     let disturbed = disturb(setup, start, options);
     let (begin, resolved_faces) = prepare(setup, &disturbed)?;
     let bending = Bending::MidEdge(MidEdgeBending::new(setup.topology, setup.rest, setup.material));
-    let effort = Effort { stage: "shell", iteration_limit: options.iteration_limit, tolerance: options.tolerance };
+    let effort = Effort { stage: "shell", iteration_limit: options.iteration_limit, tolerance: options.tolerance, leave_saddles: true };
     let settled = settle(setup, &begin, 1.0, bending, &effort, observer)?;
     let report = ReferenceReport {
         iterations: settled.iterations,
