@@ -492,9 +492,10 @@ impl<'a, 'b> Prepared<'a, 'b> {
     ) -> Result<StepReport> {
         let (growing, options) = (self.growing, self.options);
         let most: Vec<f64> = expansion.vertices.iter().map(|growth| growth.principal().0[0]).collect();
+        let stiff: Vec<f64> = (0..most.len()).map(|v| self.stiffness(v, most[v])).collect();
         let foundation: Vec<Foundation> = (0..most.len())
             .map(|v| {
-                let stiffness = self.stiffness(v, most[v]) * self.area_m2[v];
+                let stiffness = stiff[v] * self.area_m2[v];
                 // What does not grow is pushed nowhere.
                 let begun = (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
                 let offset_m = begun * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]);
@@ -513,7 +514,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             .iter()
             .zip(&self.crests)
             .map(|(face, crest)| {
-                let stiffness = face.iter().map(|&v| self.stiffness(v, most[v])).sum::<f64>() / 3.0;
+                let stiffness = face.iter().map(|&v| stiff[v]).sum::<f64>() / 3.0;
                 crest.map(|c| c * stiffness.sqrt())
             })
             .collect();
