@@ -3,7 +3,6 @@
 mod sheets;
 
 use plisse::growth::measure::{Relief, Window, offsets_m, reached};
-use plisse::growth::remesh::Curving;
 use plisse::growth::{AdaptOptions, Expansion, Growing, GrowthOptions, Surface, grow, grow_adapting};
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
@@ -42,14 +41,14 @@ fn adapted<'a>(growing: &Growing<'a>, adapt: &AdaptOptions) -> (Surface<'a>, Res
     let parts = options.parts(growing.most_growth());
     let (surface, report) = grow_adapting(growing, None, &parts, &options, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
     let last = report.meshes.last().unwrap();
-    assert!(last.residual <= options.tolerance && last.vertices == surface.pose.len(), "{:?}", report.meshes);
+    assert!(last.vertices == surface.pose.len() && last.residual <= options.tolerance, "{:?}", report.meshes);
     (surface, report.growth.asked)
 }
 
 #[test]
 fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
     let coarse = Sheet::lattice(1.0, 0.5, 8, 4);
-    let (surface, asked) = adapted(&growing(&coarse), &AdaptOptions::new(0.125));
+    let (surface, asked) = adapted(&growing(&coarse), &AdaptOptions { finish_iterations: 300, ..AdaptOptions::new(0.125) });
     let fine = Sheet::lattice(1.0, 0.5, 70, 36);
     let (pose, report) = grow(&growing(&fine), &GrowthOptions::default(), &Silent).unwrap();
     let (expected, _) = folds(&fine.topology, &fine.pose, &pose, &report.asked);
@@ -120,23 +119,38 @@ fn any_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
-fn refined_folds_need_little_more_work() {
-    // New vertices on the curves of the folds: the surface is closer to rest than with new ones in the middle of edges.
-    let sheet = Sheet::lattice(1.0, 0.3, 55, 18);
-    let n = sheet.pose.len();
-    let expansion = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &vec![1.3; n]).unwrap();
-    let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
-    let boundary = sheet.topology.boundary_vertices();
-    growing.freeze(|v, _| boundary[v]);
-    let options = GrowthOptions::default();
-    let iterations = |curving: Curving| {
-        let adapt = AdaptOptions { edges_per_wave: 5.0, finish_edges_per_wave: 10.0, curving, ..AdaptOptions::new(0.125) };
-        let parts = options.parts(growing.most_growth());
-        let (_, report) = grow_adapting(&growing, None, &parts, &options, &adapt, &Silent, &mut |_, _| Ok(())).unwrap();
-        let last = report.meshes.last().unwrap();
-        assert!(last.residual <= options.tolerance && last.vertices > 2 * n, "{last:?}");
-        (last.iterations, report.meshes.iter().map(|mesh| mesh.iterations).sum::<usize>())
+fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
+    use plisse::growth::remesh::{Curving, RemeshOptions, Sheet as Carried, remesh};
+    // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are beside them.
+    let wave = |p: &Vec3| 0.02 * (std::f64::consts::TAU * p.x / 0.2).sin();
+    let flat = Sheet::lattice(1.0, 0.3, 40, 10);
+    let ring = Sheet::torus(0.5, 0.1, 0.04);
+    let beside = |sheet: &Sheet, pose: Vec<Vec3>, curving: Curving, away: &dyn Fn(&Vec3, &Vec3) -> f64| {
+        let n = pose.len();
+        let carried = Carried {
+            faces: sheet.topology.faces.clone(),
+            rest: sheet.rest.faces.clone(),
+            positions: pose,
+            start: sheet.pose.clone(),
+            channels: vec![vec![0.1; n]],
+            frozen: vec![[false; 3]; n],
+            uvs: None,
+        };
+        let options = RemeshOptions { growth_channel: None, curving, ..RemeshOptions::new(1.0) };
+        let all = vec![true; carried.faces.len()];
+        let fine = remesh(carried, &all, &options).unwrap().sheet;
+        assert!(fine.positions.len() > 2 * n);
+        let inner = |p: &Vec3| (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y) || sheet.held.len() == ring.held.len();
+        let each = (n..fine.positions.len()).filter(|&v| inner(&fine.start[v])).map(|v| away(&fine.positions[v], &fine.start[v]).abs());
+        each.fold(0.0, f64::max)
     };
-    let (curved, flat) = (iterations(Curving::Folds), iterations(Curving::Flat));
-    assert!(curved.0 < flat.0 && 2 * curved.0 < curved.1, "{curved:?} {flat:?}");
+    let waves = |curving| {
+        let pose = flat.pose.iter().map(|p| Vec3::new(p.x, p.y, wave(p))).collect();
+        beside(&flat, pose, curving, &|p, start| if start.z == 0.0 { p.z - wave(p) } else { f64::INFINITY })
+    };
+    assert!(waves(Curving::Folds) < 0.25 * waves(Curving::Flat), "{} {}", waves(Curving::Folds), waves(Curving::Flat));
+    let tube = |p: &Vec3| (p.xy().norm() - 0.5).hypot(p.z) - 0.1;
+    let rings = |curving| beside(&ring, ring.pose.clone(), curving, &|p, start| if p == start { tube(p) } else { f64::INFINITY });
+    assert!(rings(Curving::Start) < 0.25 * rings(Curving::Folds), "{} {}", rings(Curving::Start), rings(Curving::Folds));
+    assert_eq!(rings(Curving::Folds), rings(Curving::Flat));
 }

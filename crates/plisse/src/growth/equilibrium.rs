@@ -318,7 +318,7 @@ pub fn grow_each(
         let expansion = growing.expansion.part(part);
         let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
-        let effort = if exactly(n, part) { Effort::exact(options) } else { Effort::passing(options) };
+        let effort = if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
         let report = film.settle(part, effort, &expansion, &grown, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
         each(&report, &pose)?;
@@ -372,9 +372,9 @@ impl Effort {
         Self { iteration_limit: options.iteration_limit, tolerance: options.tolerance }
     }
 
-    /// Enough for a step that others follow.
-    pub(super) fn passing(options: &GrowthOptions) -> Self {
-        Self { iteration_limit: options.iteration_limit.min(PASSING.1), tolerance: PASSING.0 * options.tolerance }
+    /// Until what is left is `loose` times what may be at the end, or this many iterations were made.
+    pub(super) fn of(options: &GrowthOptions, (loose, most_iterations): (f64, usize)) -> Self {
+        Self { iteration_limit: options.iteration_limit.min(most_iterations), tolerance: loose * options.tolerance }
     }
 }
 

@@ -20,6 +20,8 @@ use crate::{Error, Result};
 
 /// Growth (factor of length less 1) below which a place is left coarse, as in remeshing.
 const QUIET: f64 = 1e-9;
+/// How much more force than at the end may be left after a step on the coarse mesh, and how many iterations it may take.
+const ON_THE_WAY: (f64, usize) = (30.0, 30);
 /// By how much finer each level of the end is than the one before.
 const REFINING: f64 = 2.0;
 
@@ -38,6 +40,8 @@ pub struct AdaptOptions {
     pub normal_angle: f64,
     /// Where new vertices go.
     pub curving: Curving,
+    /// Newton iterations at most on each of the finer meshes at the end.
+    pub finish_iterations: usize,
 }
 
 impl AdaptOptions {
@@ -50,6 +54,7 @@ impl AdaptOptions {
             most_vertices: 200_000,
             normal_angle: 1.0,
             curving: Curving::Folds,
+            finish_iterations: 20,
         }
     }
 
@@ -94,14 +99,19 @@ impl AdaptOptions {
         }
         let need = self.vertices(growing);
         if need > self.most_vertices as f64 {
-            let narrowest = growing.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
-            let message = format!(
-                "folds down to {narrowest:.3e} m apart need about {need:.0} vertices, more than growth.remesh.most_vertices = {}; ask for wider folds or raise it",
-                self.most_vertices
-            );
-            return Err(Error::value("growth.wavelength_m", message));
+            Err(self.too_narrow(growing, &format!("about {need:.0} vertices, more than")))
+        } else {
+            Ok(())
         }
-        Ok(())
+    }
+
+    fn too_narrow(&self, growing: &Growing<'_>, need: &str) -> Error {
+        let narrowest = growing.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let message = format!(
+            "folds down to {narrowest:.3e} m apart need {need} growth.remesh.most_vertices = {}; ask for wider folds or raise it",
+            self.most_vertices
+        );
+        Error::value("growth.wavelength_m", message)
     }
 
     fn remeshing(&self, edges_per_wave: f64) -> RemeshOptions {
@@ -167,13 +177,12 @@ pub fn grow_adapting<'a>(
     let grows = !growing.expansion.is_none();
     if grows {
         run.remesh(adapt.edges_per_wave)?;
-        run.surface.growing().check()?;
     } else {
         run.stay(adapt.edges_per_wave);
     }
     for (n, &part) in parts.iter().enumerate() {
         let last = n + 1 == parts.len() && adapt.finish_edges_per_wave == adapt.edges_per_wave;
-        let effort = if last || part <= choosing { Effort::exact(options) } else { Effort::passing(options) };
+        let effort = if last || part <= choosing { Effort::exact(options) } else { Effort::of(options, ON_THE_WAY) };
         if !run.settle(part, effort, each)? {
             return run.finish(begun);
         }
@@ -186,7 +195,8 @@ pub fn grow_adapting<'a>(
     while grows && edges < adapt.finish_edges_per_wave {
         edges = (edges * REFINING).min(adapt.finish_edges_per_wave);
         run.remesh(edges)?;
-        let effort = if edges == adapt.finish_edges_per_wave { Effort::exact(options) } else { Effort::passing(options) };
+        let last = edges == adapt.finish_edges_per_wave;
+        let effort = Effort::of(options, (if last { 1.0 } else { ON_THE_WAY.0 }, adapt.finish_iterations));
         if !run.settle(part, effort, each)? {
             break;
         }
@@ -223,6 +233,9 @@ impl<'a> Run<'a, '_> {
     fn remesh(&mut self, edges_per_wave: f64) -> Result<()> {
         let begun = Instant::now();
         let report = self.surface.remesh(&self.adapt.remeshing(edges_per_wave))?;
+        if report.limited {
+            return Err(self.adapt.too_narrow(&self.surface.growing(), "more vertices than"));
+        }
         let seconds = begun.elapsed().as_secs_f64();
         let same = report.splits + report.swaps + report.collapses == 0;
         if !same || self.meshes.last().is_none_or(|mesh| mesh.edges_per_wave != edges_per_wave) {

@@ -289,7 +289,12 @@ impl Sculpture {
             let growing = region.growing(self);
             growing.check()?;
             let within = Within { still: &region.still, pose: &region.pose, normals: &region.normals, scale: self.scale };
-            report.step = Some(settle_part(&growing, 1.0, effort, &self.options, Some(&within), &mut pose, observer)?);
+            let step = settle_part(&growing, 1.0, effort, &self.options, Some(&within), &mut pose, observer)?;
+            if step.iterations == 0 {
+                // Unknowns are scaled; what did not move keeps its bits.
+                pose.clone_from(&region.pose);
+            }
+            report.step = Some(step);
         }
         let mut moved = Vec::new();
         for (n, &v) in region.vertices.iter().enumerate() {
