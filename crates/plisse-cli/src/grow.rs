@@ -167,9 +167,8 @@ fn notes(
         notes.push("interrupted after growth had ended by itself; nothing is missing".to_owned());
     } else if last.is_some_and(|step| step.ending == Ending::IterationLimit) {
         let residual = last.map_or(0.0, |step| step.residual);
-        notes.push(format!(
-            "the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise growth.iteration_limit or take more steps"
-        ));
+        let mend = if grown.adapt.is_some() { "growth.remesh.finish_iterations" } else { "growth.iteration_limit or take more steps" };
+        notes.push(format!("the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise {mend}"));
     } else if let Some(length) = report.length_reached.filter(|&length| length < SHORT) {
         notes.push(format!("{:.0} % of the asked length was reached; what is frozen, sticks or weighs may hold the rest", 100.0 * length));
     }

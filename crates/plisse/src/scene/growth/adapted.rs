@@ -21,6 +21,7 @@ pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) 
     options.edges_per_wave = table.edges_per_wave.unwrap_or(options.edges_per_wave);
     options.finish_edges_per_wave = table.finish_edges_per_wave.unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
     options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
+    options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
     if table.round_start == Some(true) {
         options.curving = Curving::Start;
     }

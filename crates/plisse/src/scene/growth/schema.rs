@@ -55,6 +55,8 @@ pub struct RemeshTable {
     pub longest_m: Option<f64>,
     /// No vertex is added beyond this many; none: 200,000.
     pub most_vertices: Option<usize>,
+    /// Newton iterations at most on each of the finer meshes at the end; none: 20.
+    pub finish_iterations: Option<usize>,
     /// Whether new vertices of a curved starting surface lie on its curve; none: they lie on the given faces.
     pub round_start: Option<bool>,
 }
