@@ -59,7 +59,7 @@ pub struct SculptOptions {
 
 impl Default for SculptOptions {
     fn default() -> Self {
-        Self { margin: 1.25, iterations: 3, growth_limit: 4.0 }
+        Self { margin: 1.25, iterations: 2, growth_limit: 4.0 }
     }
 }
 
