@@ -8,8 +8,10 @@ use std::time::Instant;
 
 use plisse::Result;
 use plisse::field::curvature::vertex_normals;
+use plisse::growth::adapt::MeshStage;
 use plisse::growth::equilibrium::grow_each;
 use plisse::growth::measure::offsets_m;
+use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::newton::Ending;
@@ -57,31 +59,46 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
     let mut folder = open_output_at(arguments.output.as_deref(), &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.threads, || {
+        let setup_seconds = begun.elapsed().as_secs_f64();
+        let watched = Watched { bar: bars.counter("grow", parts.len()), interrupted };
+        let mut frames = 0;
+        let (grown, followed) = match grown.adapt.clone() {
+            Some(adapt) => {
+                let frames = arguments.frames.then_some((&mut folder, &mut frames));
+                let (on, followed) = follow(&grown, &adapt, &parts, &watched, frames)?;
+                (on, Some(followed))
+            }
+            None => (grown, None),
+        };
         let texture = grown.built.texture.clone().or_else(|| panel_texture(&grown.built.rest_positions, &grown.built.rest_faces));
         let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
         let faces = &grown.built.topology.faces;
         let (growing, start) = (grown.growing(), &grown.built.start);
-        let setup_seconds = begun.elapsed().as_secs_f64();
-        let watched = Watched { bar: bars.counter("grow", parts.len()), interrupted };
-        let mut frames = 0;
         let mut frame = |folder: &mut OutputFolder, pose: &[Vec3]| {
             frames += 1;
             folder.write(&format!("frame-{:04}.obj", frames - 1), |out| obj::write(out, pose, faces, texture))
         };
-        if arguments.frames {
+        if arguments.frames && followed.is_none() {
             frame(&mut folder, start)?;
         }
-        let mut each = |_: &plisse::growth::StepReport, pose: &[Vec3]| {
+        let mut each = |_: &StepReport, pose: &[Vec3]| {
             watched.bar.inc(1);
             if arguments.frames { frame(&mut folder, pose) } else { Ok(()) }
         };
-        let (pose, found) = grow_each(&growing, &parts, start, &grown.options, &watched, &mut each)?;
+        let (pose, found, meshes) = match followed {
+            Some(followed) => followed,
+            None => {
+                let (pose, found) = grow_each(&growing, &parts, start, &grown.options, &watched, &mut each)?;
+                (pose, found, Vec::new())
+            }
+        };
         watched.bar.finish_and_clear();
         let measured = Instant::now();
         let counted = grown.count(&pose, &found.asked)?;
         let reached = grown.reached(&pose, &found.asked);
         let mut report = Report::new(&grown, &pose, &found, reached, counted);
         report.frames = frames;
+        report.meshes = meshes.iter().map(report::MeshSummary::new).collect();
         report.seconds =
             Seconds { setup: setup_seconds, grow: found.seconds, measure: measured.elapsed().as_secs_f64(), ..Seconds::default() };
         report.notes = notes(&grown, &report, &found, parts.len(), interrupted);
@@ -107,6 +124,30 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
     })
 }
 
+/// Grows on a mesh that follows the folds: the scene on it, the pose (`[V]`, m), how it grew, and the meshes. Frames have no texture
+/// coordinates, because each may have another mesh.
+fn follow(
+    grown: &BuiltGrowth,
+    adapt: &AdaptOptions,
+    parts: &[f64],
+    watched: &Watched<'_>,
+    mut frames: Option<(&mut OutputFolder, &mut usize)>,
+) -> Result<(BuiltGrowth, (Vec<Vec3>, GrowthReport, Vec<MeshStage>))> {
+    let mut frame = |pose: &[Vec3], faces: &[[usize; 3]]| {
+        let Some((folder, count)) = &mut frames else { return Ok(()) };
+        **count += 1;
+        folder.write(&format!("frame-{:04}.obj", **count - 1), |out| obj::write(out, pose, faces, None))
+    };
+    frame(&grown.built.start, &grown.built.topology.faces)?;
+    let mut each = |_: &StepReport, surface: &Surface<'_>| {
+        watched.bar.inc(1);
+        frame(&surface.pose, &surface.topology.faces)
+    };
+    let (surface, report) = grow_adapting(&grown.growing(), grown.chart(), parts, &grown.options, adapt, watched, &mut each)?;
+    let (on, pose, asked) = grown.on(surface)?;
+    Ok((on, (pose, GrowthReport { asked, ..report.growth }, report.meshes)))
+}
+
 /// What the user should know about what has grown.
 fn notes(
     grown: &BuiltGrowth,
@@ -126,9 +167,8 @@ fn notes(
         notes.push("interrupted after growth had ended by itself; nothing is missing".to_owned());
     } else if last.is_some_and(|step| step.ending == Ending::IterationLimit) {
         let residual = last.map_or(0.0, |step| step.residual);
-        notes.push(format!(
-            "the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise growth.iteration_limit or take more steps"
-        ));
+        let mend = if grown.adapt.is_some() { "growth.remesh.finish_iterations" } else { "growth.iteration_limit or take more steps" };
+        notes.push(format!("the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise {mend}"));
     } else if let Some(length) = report.length_reached.filter(|&length| length < SHORT) {
         notes.push(format!("{:.0} % of the asked length was reached; what is frozen, sticks or weighs may hold the rest", 100.0 * length));
     }

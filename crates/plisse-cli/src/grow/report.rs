@@ -1,6 +1,7 @@
 //! report.json of `plisse grow` and its short table on the terminal: the same figures.
 
 use plisse::growth::GrowthReport;
+use plisse::growth::adapt::MeshStage;
 use plisse::growth::measure::Reached;
 use plisse::mesh::Vec3;
 use plisse::mesh::crossing::crossing_pairs;
@@ -36,6 +37,8 @@ pub(super) struct Report {
     /// Pairs of faces that cross each other, told exactly.
     pub(super) self_intersecting_pairs: usize,
     pub(super) folds: Vec<Counted>,
+    /// The meshes it grew on, if they followed its folds.
+    pub(super) meshes: Vec<MeshSummary>,
     pub(super) frames: usize,
     pub(super) notes: Vec<String>,
     pub(super) seconds: Seconds,
@@ -49,6 +52,36 @@ pub(super) struct StepSummary {
     pub(super) ending: &'static str,
     pub(super) residual: f64,
     pub(super) energy_joule: f64,
+}
+
+#[derive(Serialize)]
+pub(super) struct MeshSummary {
+    /// Edges asked for to a wavelength.
+    pub(super) edges_per_wave: f64,
+    pub(super) vertices: usize,
+    pub(super) splits: usize,
+    pub(super) swaps: usize,
+    pub(super) collapses: usize,
+    pub(super) iterations: usize,
+    pub(super) residual: f64,
+    pub(super) remesh_seconds: f64,
+    pub(super) solve_seconds: f64,
+}
+
+impl MeshSummary {
+    pub(super) fn new(mesh: &MeshStage) -> Self {
+        Self {
+            edges_per_wave: mesh.edges_per_wave,
+            vertices: mesh.vertices,
+            splits: mesh.remesh.splits,
+            swaps: mesh.remesh.swaps,
+            collapses: mesh.remesh.collapses,
+            iterations: mesh.iterations,
+            residual: mesh.residual,
+            remesh_seconds: mesh.remesh_seconds,
+            solve_seconds: mesh.solve_seconds,
+        }
+    }
 }
 
 #[derive(Default, Serialize)]
@@ -101,6 +134,7 @@ impl Report {
             offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
             self_intersecting_pairs: crossing_pairs(&built.topology.faces, pose).len(),
             folds,
+            meshes: Vec::new(),
             frames: 0,
             notes: Vec::new(),
             seconds: Seconds::default(),
@@ -118,6 +152,13 @@ impl Report {
         let iterations: usize = self.steps.iter().map(|step| step.iterations).sum();
         let residual = self.residual;
         row("growth", format!("{} steps, {iterations} iterations, {}, residual {residual:.1e}", self.steps.len(), self.ending));
+        if let [first, .., last] = &self.meshes[..] {
+            let most = self.meshes.iter().map(|mesh| mesh.vertices).max().unwrap_or(0);
+            row(
+                "remeshing",
+                format!("{} meshes, from {} vertices, {most} at most, to {}", self.meshes.len(), first.vertices, last.vertices),
+            );
+        }
         let reached = self.area_m2 / self.area_asked_m2;
         let (start, asked, area) = (self.area_start_m2, self.area_asked_m2, self.area_m2);
         row("area", format!("from {start:.4e} to {area:.4e} of {asked:.4e} m² ({:.1} %)", 100.0 * reached));

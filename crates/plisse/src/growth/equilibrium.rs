@@ -152,6 +152,23 @@ impl<'a> Growing<'a> {
     /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too large for its folds, or if all is frozen;
     /// [`Error::Mesh`] naming a vertex that starts in an obstacle, or two faces that cross.
     pub fn check(&self) -> Result<()> {
+        self.check_maps()?;
+        for (f, face) in self.topology.faces.iter().enumerate() {
+            let side_m = self.side_across_folds_m(f);
+            let wavelength = face.iter().map(|&v| self.wavelength_m[v]).sum::<f64>() / 3.0;
+            if wavelength < LEAST_EDGES * side_m {
+                let message = format!(
+                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
+                    wavelength / LEAST_EDGES
+                );
+                return Err(Error::value("growth.wavelength_m", message));
+            }
+        }
+        Ok(())
+    }
+
+    /// As [`Growing::check`], but faces may be of any size.
+    pub(super) fn check_maps(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
             Some(v) => Err(Error::value(format!("growth.{name}"), format!("it is {} at vertex {v}; {mend}", values[v]))),
@@ -167,17 +184,6 @@ impl<'a> Growing<'a> {
         check_bands(&self.bands, &self.frozen)?;
         if self.frozen.iter().flatten().all(|&frozen| frozen) {
             return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
-        }
-        for (f, face) in self.topology.faces.iter().enumerate() {
-            let side_m = self.side_across_folds_m(f);
-            let wavelength = face.iter().map(|&v| self.wavelength_m[v]).sum::<f64>() / 3.0;
-            if wavelength < LEAST_EDGES * side_m {
-                let message = format!(
-                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
-                    wavelength / LEAST_EDGES
-                );
-                return Err(Error::value("growth.wavelength_m", message));
-            }
         }
         if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first().filter(|_| self.self_contact) {
             let message = format!("faces {f} and {g} of the starting surface cross; part them, or set growth.self_contact = false");
@@ -318,17 +324,18 @@ pub fn grow_each(
 ) -> Result<(Vec<Vec3>, GrowthReport)> {
     let begun = Instant::now();
     growing.check()?;
-    let film = Prepared::new(growing, options)?;
+    let film = Prepared::new(growing, options, None)?;
     let mut pose = pose.to_vec();
     let mut plastic = vec![1.0; growing.topology.edge_count()];
     let mut steps = Vec::new();
-    let choosing = CHOOSING * options.onset() / growing.most_growth().max(f64::MIN_POSITIVE);
+    let choosing = choosing_part(growing, options);
     let exactly = |n: usize, part: f64| n + 1 == parts.len() || part <= choosing;
     for (n, &part) in parts.iter().enumerate() {
         let expansion = growing.expansion.part(part);
         let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
-        let report = film.settle(part, exactly(n, part), &expansion, &grown, &mut pose, observer)?;
+        let effort = if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
+        let report = film.settle(part, effort, &expansion, &grown, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
         each(&report, &pose)?;
         steps.push(report);
@@ -341,6 +348,77 @@ pub fn grow_each(
     }
     let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
     Ok((pose, GrowthReport { steps, asked, seconds: begun.elapsed().as_secs_f64() }))
+}
+
+/// Part of the growth up to which the pattern of folds is chosen.
+pub(super) fn choosing_part(growing: &Growing<'_>, options: &GrowthOptions) -> f64 {
+    CHOOSING * options.onset() / growing.most_growth().max(f64::MIN_POSITIVE)
+}
+
+/// Solves one part (0 to 1) of the growth of `growing`, from `pose` (`[V]`, m) on; with `within`, only what is not still there.
+///
+/// # Errors
+/// As [`grow`], but nothing is checked beforehand.
+pub(super) fn settle_part(
+    growing: &Growing<'_>,
+    part: f64,
+    effort: Effort,
+    options: &GrowthOptions,
+    within: Option<&Within<'_>>,
+    pose: &mut [Vec3],
+    observer: &dyn Observer,
+) -> Result<StepReport> {
+    let expansion = growing.expansion.part(part);
+    let grown = expansion.act_on(growing.topology, growing.start, growing.rest)?;
+    Prepared::new(growing, options, within)?.settle(part, effort, &expansion, &grown, pose, observer)
+}
+
+/// How long a step goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// Newton iterations at most.
+    pub(super) iteration_limit: usize,
+    /// Largest force left on a vertex, in units of the force that starts folds on an edge.
+    pub(super) tolerance: f64,
+}
+
+impl Effort {
+    /// Until all is at rest.
+    pub(super) fn exact(options: &GrowthOptions) -> Self {
+        Self { iteration_limit: options.iteration_limit, tolerance: options.tolerance }
+    }
+
+    /// Until what is left is `loose` times what may be at the end, or this many iterations were made.
+    pub(super) fn of(options: &GrowthOptions, (loose, most_iterations): (f64, usize)) -> Self {
+        Self { iteration_limit: options.iteration_limit.min(most_iterations), tolerance: loose * options.tolerance }
+    }
+}
+
+/// A part of a larger surface, which is solved alone.
+pub(super) struct Within<'a> {
+    /// `[V]` whether each vertex stays at its pose.
+    pub(super) still: &'a [bool],
+    /// `[V]` the pose (m); frozen axes stay there, too.
+    pub(super) pose: &'a [Vec3],
+    /// `[V]` normals of the starting surface.
+    pub(super) normals: &'a [Vec3],
+    /// Scale of the whole surface.
+    pub(super) scale: Scale,
+}
+
+/// Lengths of a whole surface by which its parts are measured.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scale {
+    /// Mean of λ (m) over vertices.
+    pub(super) wavelength_m: f64,
+    /// Mean length (m) of the edges of the starting surface.
+    pub(super) edge_m: f64,
+}
+
+impl Scale {
+    pub(super) fn of(growing: &Growing<'_>) -> Self {
+        Self { wavelength_m: growing.wavelength_m.iter().sum::<f64>() / growing.start.len() as f64, edge_m: growing.mean_edge_m() }
+    }
 }
 
 /// Plasticity (4.5): l₀ becomes (1 − ε)l₀ + εl, kept as a factor of each edge.
@@ -375,19 +453,21 @@ struct Prepared<'a, 'b> {
     crests: Vec<CrestTension>,
     /// `[V]` size 1, mean about 0 (no unit).
     rough: Vec<f64>,
-    mean_edge_m: f64,
+    scale: Scale,
 }
 
 impl<'a, 'b> Prepared<'a, 'b> {
-    fn new(growing: &'b Growing<'a>, options: &'b GrowthOptions) -> Result<Self> {
+    fn new(growing: &'b Growing<'a>, options: &'b GrowthOptions, within: Option<&Within<'_>>) -> Result<Self> {
         let (topology, start) = (growing.topology, growing.start);
-        let mean = growing.wavelength_m.iter().sum::<f64>() / start.len() as f64;
+        let scale = within.map_or_else(|| Scale::of(growing), |within| within.scale);
+        let mean = scale.wavelength_m;
         let material = Material::new(options.young_pa, options.poisson, options.thickness_share * mean)?;
         let thickness: Vec<f64> =
             topology.faces.iter().map(|face| face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / (3.0 * mean)).collect();
         let mut clamps = Clamps::none(start.len());
         for (v, frozen) in growing.frozen.iter().enumerate() {
-            clamps.targets[v] = std::array::from_fn(|axis| frozen[axis].then_some(start[v][axis]));
+            let (still, place) = within.map_or((false, &start[v]), |within| (within.still[v], &within.pose[v]));
+            clamps.targets[v] = std::array::from_fn(|axis| (still || frozen[axis]).then_some(place[axis]));
         }
         let surface = RestMetric::from_shape("growth", start, &topology.faces)?;
         let mut area_m2 = vec![0.0; start.len()];
@@ -398,14 +478,14 @@ impl<'a, 'b> Prepared<'a, 'b> {
         Ok(Self {
             growing,
             options,
-            normals: vertex_normals(topology, start)?,
+            normals: within.map_or_else(|| vertex_normals(topology, start), |within| Ok(within.normals.to_vec()))?,
             clamps,
             material,
             thickness,
             area_m2,
             crests: (0..topology.face_count()).map(|f| crest_tension(growing, &surface, f)).collect(),
             rough: (0..start.len()).map(|v| roughness(&growing.places[v], lump(v), options.seed)).collect(),
-            mean_edge_m: growing.mean_edge_m(),
+            scale,
         })
     }
 
@@ -423,13 +503,13 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let strength: Vec<f64> =
             foundation.iter().zip(&growing.wavelength_m).map(|(held, wavelength)| held.stiffness * wavelength).collect();
         let reach = self.material.thickness_m;
-        growing.self_contact.then(|| SelfContact::new(growing.topology, growing.start, reach, LONGEST_MOVE * self.mean_edge_m, &strength))
+        growing.self_contact.then(|| SelfContact::new(growing.topology, growing.start, reach, LONGEST_MOVE * self.scale.edge_m, &strength))
     }
 
     fn settle(
         &self,
         part: f64,
-        exactly: bool,
+        effort: Effort,
         expansion: &Expansion,
         grown: &RestMetric,
         pose: &mut [Vec3],
@@ -437,9 +517,10 @@ impl<'a, 'b> Prepared<'a, 'b> {
     ) -> Result<StepReport> {
         let (growing, options) = (self.growing, self.options);
         let most: Vec<f64> = expansion.vertices.iter().map(|growth| growth.principal().0[0]).collect();
+        let stiff: Vec<f64> = (0..most.len()).map(|v| self.stiffness(v, most[v])).collect();
         let foundation: Vec<Foundation> = (0..most.len())
             .map(|v| {
-                let stiffness = self.stiffness(v, most[v]) * self.area_m2[v];
+                let stiffness = stiff[v] * self.area_m2[v];
                 // What does not grow is pushed nowhere.
                 let begun = (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
                 let offset_m = begun * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]);
@@ -458,7 +539,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             .iter()
             .zip(&self.crests)
             .map(|(face, crest)| {
-                let stiffness = face.iter().map(|&v| self.stiffness(v, most[v])).sum::<f64>() / 3.0;
+                let stiffness = face.iter().map(|&v| stiff[v]).sum::<f64>() / 3.0;
                 crest.map(|c| c * stiffness.sqrt())
             })
             .collect();
@@ -469,12 +550,11 @@ impl<'a, 'b> Prepared<'a, 'b> {
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
         let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?.apart(self.contact(&foundation));
-        let (loose, most_iterations) = if exactly { (1.0, options.iteration_limit) } else { PASSING };
-        let force = options.onset() * self.mean_edge_m / film.length_m();
+        let force = options.onset() * self.scale.edge_m / film.length_m();
         let newton = Options {
             stage: "grow",
-            iteration_limit: options.iteration_limit.min(most_iterations),
-            tolerance: loose * options.tolerance * force,
+            iteration_limit: effort.iteration_limit,
+            tolerance: effort.tolerance * force,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
             leave_saddles: false,

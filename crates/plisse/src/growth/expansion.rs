@@ -43,6 +43,32 @@ impl Growth {
         ([high.sqrt(), low.sqrt()], [most, least])
     }
 
+    /// ln τ as a form in space, (xx, yy, zz, xy, yz, zx), no unit: what may be blended between vertices whose frames differ. All 0 where
+    /// nothing grows.
+    pub(super) fn logarithm(&self) -> [f64; 6] {
+        if self.form == Mat2::identity() {
+            return [0.0; 6];
+        }
+        let (factors, [most, least]) = self.principal();
+        let m = most * most.transpose() * (2.0 * factors[0].ln()) + least * least.transpose() * (2.0 * factors[1].ln());
+        [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(1, 2)], m[(2, 0)]]
+    }
+
+    /// The expansion whose logarithm is the part of this one ([`Growth::logarithm`]) that lies in the plane with the unit `normal`.
+    pub(super) fn from_logarithm(normal: &Vec3, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> Self {
+        let along = any_tangent(normal);
+        let across = normal.cross(&along);
+        if [xx, yy, zz, xy, yz, zx] == [0.0; 6] {
+            return Self { along, across, form: Mat2::identity() };
+        }
+        let space = crate::mesh::Mat3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz);
+        let entry = |a: &Vec3, b: &Vec3| a.dot(&(space * b));
+        let mixed = entry(&along, &across);
+        let ([low, high], d) = principal_pair(&Mat2::new(entry(&along, &along), mixed, mixed, entry(&across, &across)));
+        let e = Vec2::new(-d.y, d.x);
+        Self { along, across, form: d * d.transpose() * low.exp() + e * e.transpose() * high.exp() }
+    }
+
     /// τ^`exponent`: part of the growth (0: none, 1: all), so that equal parts lengthen by equal factors.
     fn power(&self, exponent: f64) -> Self {
         if self.form == Mat2::identity() || exponent == 1.0 {
@@ -305,6 +331,22 @@ mod tests {
         let half = expansion.part(0.5);
         let twice = half.act_on(&topology, &positions, &rest).unwrap();
         assert!((twice.area_m2().powi(2) / rest.area_m2() / grown.area_m2() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn logarithms_carry_a_growth_into_other_frames() {
+        let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
+        let along = normal.cross(&Vec3::new(0.2, 0.9, 0.1)).normalize();
+        let growth = Growth { along, across: normal.cross(&along), form: Mat2::new(2.0, 0.3, 0.3, 0.7) };
+        let again = Growth::from_logarithm(&normal, growth.logarithm());
+        for angle in [0.0_f64, 0.7, 1.9, 2.6] {
+            let d = growth.along * angle.cos() + growth.across * angle.sin();
+            assert!((again.square(&d) - growth.square(&d)).abs() < 1e-12);
+        }
+        // Half of each of two equal ones is the same again; none stays none to the bit.
+        let half = growth.logarithm().map(|x| 0.5 * x + 0.5 * x);
+        assert!((Growth::from_logarithm(&normal, half).form - again.form).norm() < 1e-12);
+        assert_eq!(Growth::from_logarithm(&normal, [0.0; 6]).form, Mat2::identity());
     }
 
     #[test]

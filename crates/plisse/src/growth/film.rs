@@ -66,6 +66,8 @@ pub struct Film<'a> {
     pattern: SymmetricPattern,
     /// Hessian of all that is quadratic, in units.
     constant: Vec<f64>,
+    /// What held coordinates that are not where they started add to the gradient, in units.
+    pull: Vec<f64>,
     /// `[F][45]` slots of each face's lower triangle; `u32::MAX` where a coordinate is held.
     slots: Vec<[u32; 45]>,
     pose: Vec<Vec3>,
@@ -79,8 +81,7 @@ pub struct Film<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The film of `setup` (whose rest metric is the grown one, whose clamps hold coordinates where `start` has them, and whose material
-    /// is that of faces of thickness 1) over the starting surface `start` (`[V]`, m). `thickness` (`[F]`, no unit) is the thickness of
+    /// The film of `setup` (whose rest metric is the grown one, and whose material is that of faces of thickness 1) over the starting surface `start` (`[V]`, m). `thickness` (`[F]`, no unit) is the thickness of
     /// each face in units of the material's, `crests` (`[F]`, √J/m) lines folds up.
     ///
     /// # Errors
@@ -125,6 +126,8 @@ impl<'a> Film<'a> {
         let lists: Vec<Vec<usize>> = faces.chain(rows).collect();
         let pattern = SymmetricPattern::from_elements(size, lists.iter().map(Vec::as_slice));
         let slots = topology.faces.iter().map(|face| face_slots(&pattern, face.map(|v| unknown[v]).as_flattened())).collect();
+        let held = |v: usize| Vec3::from_fn(|axis, _| setup.clamps.targets[v][axis].unwrap_or(start[v][axis]));
+        let pose: Vec<Vec3> = (0..start.len()).map(held).collect();
         let mut film = Self {
             setup,
             start,
@@ -137,9 +140,10 @@ impl<'a> Film<'a> {
             length_m,
             unit_joule,
             constant: vec![0.0; pattern.entry_count()],
+            pull: vec![0.0; size],
             pattern,
             slots,
-            pose: start.to_vec(),
+            pose,
             product: vec![0.0; size],
             contact: None,
             touches: Vec::new(),
@@ -173,14 +177,32 @@ impl<'a> Film<'a> {
     /// The constant part of the Hessian.
     fn gather(&mut self, bending: &QuadraticBending, crests: &[CrestTension]) {
         let scale = self.length_m * self.length_m / self.unit_joule;
-        for row in &bending.rows {
-            for axis in 0..3 {
-                for (n, &(v, a)) in row.iter().enumerate() {
-                    for &(u, b) in &row[..=n] {
-                        let (i, j) = (self.unknown[v][axis], self.unknown[u][axis]);
-                        if i != NONE && j != NONE {
-                            self.constant[self.pattern.slot(i, j)] += 2.0 * scale * a * b;
-                        }
+        // By how much coordinates that are held are away from where they started.
+        let moved: Vec<Vec3> = self.pose.iter().zip(self.start).map(|(p, q)| p - q).collect();
+        let mut rows_of: Vec<Vec<(usize, f64)>> = vec![Vec::new(); self.start.len()];
+        for (r, row) in bending.rows.iter().enumerate() {
+            row.iter().for_each(|&(v, a)| rows_of[v].push((r, a)));
+        }
+        let (mut sums, mut met) = (vec![0.0; self.start.len()], Vec::new());
+        for (v, rows) in rows_of.iter().enumerate().filter(|&(v, _)| self.unknown[v] != [NONE; 3]) {
+            for &(r, a) in rows {
+                for &(u, b) in &bending.rows[r] {
+                    if sums[u] == 0.0 {
+                        met.push(u);
+                    }
+                    sums[u] += 2.0 * scale * a * b;
+                }
+            }
+            // Where a sum came back to 0, it has been met twice.
+            met.sort_unstable();
+            met.dedup();
+            for u in met.drain(..) {
+                let sum = std::mem::take(&mut sums[u]);
+                for (axis, &i) in self.unknown[v].iter().enumerate().filter(|(_, i)| **i != NONE) {
+                    match self.unknown[u][axis] {
+                        NONE => self.pull[i] += sum * moved[u][axis] / self.length_m,
+                        j if j <= i => self.constant[self.pattern.slot(i, j)] += sum,
+                        _ => {}
                     }
                 }
             }
@@ -189,11 +211,19 @@ impl<'a> Film<'a> {
             let corners = self.setup.topology.faces[f];
             let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]);
             add(&mut self.constant, &self.slots[f], &(slope * slope.transpose() * scale));
+            let by: f64 = (0..9).map(|k| slope[k] * moved[corners[k / 3]][k % 3]).sum();
+            for k in (0..9).filter(|&k| by != 0.0 && self.unknown[corners[k / 3]][k % 3] != NONE) {
+                self.pull[self.unknown[corners[k / 3]][k % 3]] += slope[k] * by * scale / self.length_m;
+            }
         }
         for (v, foundation) in self.foundation.iter().enumerate() {
             let normal = foundation.normal * foundation.normal.transpose();
             let block = normal * foundation.stiffness + (Mat3::identity() - normal) * foundation.grip;
             add_vertex(&self.pattern, &self.unknown[v], &(block * scale), &mut self.constant);
+            let force = block * moved[v] * (scale / self.length_m);
+            for axis in (0..3).filter(|&axis| self.unknown[v][axis] != NONE) {
+                self.pull[self.unknown[v][axis]] += force[axis];
+            }
         }
     }
 
@@ -255,9 +285,10 @@ impl<'a> Film<'a> {
 
     fn energy_here(&self, x: &[f64]) -> f64 {
         let quadratic: f64 = x.iter().zip(&self.product).map(|(x, y)| x * y).sum();
+        let linear: f64 = x.iter().zip(&self.pull).map(|(x, y)| x * y).sum();
         let faces = Self::sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
         let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(&self.pose));
-        0.5 * quadratic + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact) / self.unit_joule
+        0.5 * quadratic + linear + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact) / self.unit_joule
     }
 
     /// Looks for what touches, once before the first energy.
@@ -328,7 +359,7 @@ impl Problem for Film<'_> {
         self.take(x);
         self.look();
         self.touch();
-        gradient.copy_from_slice(&self.product);
+        gradient.iter_mut().zip(&self.product).zip(&self.pull).for_each(|((g, product), pull)| *g = product + pull);
         let scale = self.length_m / self.unit_joule;
         let slopes: Vec<_> =
             (0..self.membranes.len()).into_par_iter().with_min_len(CHUNK).map(|f| self.membranes[f].gradient(&self.corners(f))).collect();
@@ -487,7 +518,9 @@ mod tests {
         let rest = RestMetric::from_shape("octahedron", &grown, &topology.faces).unwrap();
         let material = Material::new(50.0, 0.3, 0.3).unwrap();
         let mut clamps = Clamps::none(6);
+        // One held where it started, one away from there.
         clamps.targets[3][1] = Some(start[3].y);
+        clamps.targets[1] = [Some(start[1].x + 0.1), None, Some(start[1].z - 0.2)];
         let mut random = Random(5);
         let mut number = || 2.0 * random.unit() - 1.0;
         let pose: Vec<Vec3> = start.iter().map(|p| p + 0.2 * Vec3::new(number(), number(), number())).collect();

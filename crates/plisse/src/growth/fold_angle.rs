@@ -25,15 +25,24 @@ fn bessel(x: f64) -> [f64; 2] {
 pub fn fold_angle(growth: f64) -> f64 {
     let target = 1.0 / growth.clamp(1.0, MOST_GROWTH);
     let (mut low, mut high) = (0.0, 2.405);
+    // J₀ = 1 − θ²/4 + … is above its parabola, so this is below the angle.
+    let mut angle = 2.0 * (1.0 - target).sqrt();
     for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if bessel(middle)[0] > target {
-            low = middle;
+        let [zero, one] = bessel(angle);
+        if zero > target {
+            low = angle;
         } else {
-            high = middle;
+            high = angle;
         }
+        // Newton's step, J₀' = −J₁, or half of what is left where that leaves it.
+        let next = angle + (zero - target) / one;
+        let next = if next > low && next < high { next } else { 0.5 * (low + high) };
+        if (next - angle).abs() <= 1e-15 * angle || (zero - target).abs() <= f64::EPSILON {
+            break;
+        }
+        angle = next;
     }
-    0.5 * (low + high)
+    angle
 }
 
 /// c(g) (no unit): by how much the foundation of a surface grown by the factor `growth` must be softer than that of one that has

@@ -12,26 +12,42 @@ pub struct SymmetricPattern {
 impl SymmetricPattern {
     /// The union of the full blocks that `elements` couple. An unknown may appear in no element; its diagonal is kept.
     pub fn from_elements<'a>(n: usize, elements: impl Iterator<Item = &'a [usize]>) -> Self {
-        let mut entries: Vec<(usize, usize)> = (0..n).map(|i| (i, i)).collect();
+        let (mut unknowns, mut begins) = (Vec::new(), vec![0]);
         for element in elements {
-            for (p, &i) in element.iter().enumerate() {
-                for &j in &element[..p] {
-                    if i != j {
-                        entries.push((i.min(j), i.max(j)));
+            unknowns.extend_from_slice(element);
+            begins.push(unknowns.len());
+        }
+        // Elements of each unknown, one unknown after the other.
+        let mut ends = vec![0; n + 1];
+        unknowns.iter().for_each(|&i| ends[i + 1] += 1);
+        for i in 0..n {
+            ends[i + 1] += ends[i];
+        }
+        let mut of_unknown = vec![0; unknowns.len()];
+        let mut next = ends.clone();
+        for (e, range) in begins.windows(2).enumerate() {
+            for &i in &unknowns[range[0]..range[1]] {
+                of_unknown[next[i]] = e;
+                next[i] += 1;
+            }
+        }
+        let (mut columns, mut rows) = (vec![0], Vec::new());
+        let mut seen_by = vec![usize::MAX; n];
+        for column in 0..n {
+            let begin = rows.len();
+            rows.push(column);
+            for &e in &of_unknown[ends[column]..ends[column + 1]] {
+                for &row in &unknowns[begins[e]..begins[e + 1]] {
+                    if row > column && seen_by[row] != column {
+                        seen_by[row] = column;
+                        rows.push(row);
                     }
                 }
             }
+            rows[begin..].sort_unstable();
+            columns.push(rows.len());
         }
-        entries.sort_unstable();
-        entries.dedup();
-        let mut columns = vec![0; n + 1];
-        for &(column, _) in &entries {
-            columns[column + 1] += 1;
-        }
-        for i in 0..n {
-            columns[i + 1] += columns[i];
-        }
-        Self { columns, rows: entries.into_iter().map(|(_, row)| row).collect() }
+        Self { columns, rows }
     }
 
     /// Number of unknowns.

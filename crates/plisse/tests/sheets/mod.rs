@@ -67,6 +67,28 @@ impl Sheet {
         Self::new(positions.clone(), faces.clone(), faces, positions)
     }
 
+    /// A ring of this radius whose tube has the radius `tube_m`, at rest, of about regular triangles of this edge length.
+    pub(crate) fn torus(radius_m: f64, tube_m: f64, edge_length_m: f64) -> Self {
+        let around = (TAU * radius_m / edge_length_m).round() as usize;
+        let rows = 2 * (0.5 * TAU * tube_m / (edge_length_m * 0.75_f64.sqrt())).round() as usize;
+        let at = |v: usize| {
+            let (i, j) = (v % around, v / around);
+            // Every second row lies half an edge farther on.
+            let (long, short) = (TAU * (i as f64 + 0.5 * (j % 2) as f64) / around as f64, TAU * j as f64 / rows as f64);
+            let out = radius_m + tube_m * short.cos();
+            Vec3::new(out * long.cos(), out * long.sin(), tube_m * short.sin())
+        };
+        let positions: Vec<Vec3> = (0..around * rows).map(at).collect();
+        let squares = (0..around * rows).flat_map(|v| {
+            let (i, j) = (v % around, v / around);
+            let (next, above) = ((i + 1) % around, (j + 1) % rows * around);
+            let (a, b, c, d) = (v, j * around + next, above + i, above + next);
+            if j % 2 == 0 { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] }
+        });
+        let faces: Vec<[usize; 3]> = squares.collect();
+        Self::new(positions.clone(), faces.clone(), faces, positions)
+    }
+
     /// The same sheet with every vertex of the pose moved.
     pub(crate) fn posed(mut self, map: impl Fn(Vec3) -> Vec3) -> Self {
         self.pose = self.pose.iter().map(|&p| map(p)).collect();

@@ -5,7 +5,7 @@
 //! vertex out changes them only if the rest metric is curved there, and is refused where that is too much
 //! ([`RemeshOptions::flatness`], [`RemeshOptions::area_tolerance`]).
 //!
-//! New vertices lie in the middle of edges, and those taken out are drawn onto neighbours, so whatever is linear over the surface
+//! New vertices lie in the middle of edges, unless [`Curving`] says otherwise, and those taken out are drawn onto neighbours, so whatever is linear over the surface
 //! stays so. Seams of the texture, frozen regions and the boundary keep their course.
 
 mod collapse;
@@ -69,6 +69,19 @@ pub struct RemeshOptions {
     pub most_vertices: usize,
     /// No more passes than this.
     pub most_passes: usize,
+    /// Where new vertices go.
+    pub curving: Curving,
+}
+
+/// Where a new vertex goes. Rest lengths and all else that is carried are linear along edges whatever this is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curving {
+    /// Into the middle of its edge, in the pose and at the start.
+    Flat,
+    /// At the start into the middle; in the pose to where folds curve, by the normals at the edge's ends, beyond what the start does.
+    Folds,
+    /// To where the surface curves, in the pose and at the start.
+    Start,
 }
 
 impl RemeshOptions {
@@ -86,6 +99,7 @@ impl RemeshOptions {
             area_tolerance: 1e-3,
             most_vertices: 200_000,
             most_passes: 40,
+            curving: Curving::Flat,
         }
     }
 }
@@ -154,6 +168,7 @@ pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<
     check_options(&sheet, options)?;
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, active);
+    patch.curving = options.curving;
     // The whole connectivity takes longer than a small change; it is looked at only to say what is wrong.
     if !patch.is_sound() {
         Topology::new("remeshing", vertices, patch.sheet.faces)?;

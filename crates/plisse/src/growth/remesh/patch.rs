@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Maps, Sheet, laid};
+use super::{Curving, Maps, Sheet, laid};
 use crate::mesh::Vec3;
 
 /// Least cosine between the normals of a face before and after it is changed.
@@ -21,6 +21,8 @@ pub(super) struct Patch {
     pub(super) changed: Vec<bool>,
     /// Vertices that live.
     pub(super) living: usize,
+    /// Where new vertices go.
+    pub(super) curving: Curving,
 }
 
 /// The faces on an edge from `a` to `b`: `(face, corner at which the edge begins)` of the one that runs along it, and of the one
@@ -53,7 +55,15 @@ impl Patch {
             }
         }
         let n = sheet.faces.len();
-        Self { living: around.len(), sheet, around, active: active.to_vec(), dead: vec![false; n], changed: vec![false; n] }
+        Self {
+            living: around.len(),
+            sheet,
+            around,
+            active: active.to_vec(),
+            dead: vec![false; n],
+            changed: vec![false; n],
+            curving: Curving::Flat,
+        }
     }
 
     /// Whether every vertex has a face, and the active faces and their neighbours are a manifold, all facing the same way.
@@ -188,7 +198,7 @@ impl Patch {
     }
 
     /// Sum of the normals (m², of twice the areas) of the faces around `v`, whose corners are at `places` (m).
-    fn normal_sum(&self, v: usize, places: &[Vec3]) -> Vec3 {
+    pub(super) fn normal_sum(&self, v: usize, places: &[Vec3]) -> Vec3 {
         self.around[v].iter().map(|&f| normal(self.sheet.faces[f].map(|u| places[u]))).sum()
     }
 

@@ -1,7 +1,11 @@
 //! An edge split in its middle.
 
-use super::laid;
 use super::patch::Patch;
+use super::{Curving, laid};
+use crate::mesh::Vec3;
+
+/// Most that a new vertex may lie beside the middle of its edge, as a share of the edge's length.
+const MOST_SAGITTA: f64 = 0.3;
 
 impl Patch {
     /// Splits the edge `a`–`b` in the middle; the new vertex is the last. The parts of a face keep its metric, and half of its area each;
@@ -16,9 +20,10 @@ impl Patch {
         }
         let frozen = self.frozen_line(a, b, &faces);
         let m = self.around.len();
+        let (position, start) = self.middle(a, b, &frozen);
         let sheet = &mut self.sheet;
-        sheet.positions.push((sheet.positions[a] + sheet.positions[b]) * 0.5);
-        sheet.start.push((sheet.start[a] + sheet.start[b]) * 0.5);
+        sheet.positions.push(position);
+        sheet.start.push(start);
         sheet.channels.iter_mut().for_each(|channel| channel.push((channel[a] + channel[b]) * 0.5));
         sheet.frozen.push(frozen);
         self.around.push(Vec::new());
@@ -51,5 +56,39 @@ impl Patch {
             self.around[m].extend([f, new]);
         }
         Some(m)
+    }
+
+    /// Where the middle of the edge `a`–`b` is in the pose and at the start (m).
+    fn middle(&self, a: usize, b: usize, frozen: &[bool; 3]) -> (Vec3, Vec3) {
+        let sheet = &self.sheet;
+        let mean = |places: &[Vec3]| (places[a] + places[b]) * 0.5;
+        let (mut position, mut start) = (mean(&sheet.positions), mean(&sheet.start));
+        if self.curving == Curving::Flat {
+            return (position, start);
+        }
+        let (folded, smooth) = (self.sagitta(a, b, &sheet.positions), self.sagitta(a, b, &sheet.start));
+        // What is not folded stays on the start, to the bit.
+        let (round, beside) = if self.curving == Curving::Start { (smooth, Vec3::zeros()) } else { (Vec3::zeros(), smooth) };
+        let by = start - position;
+        start += round;
+        position =
+            if sheet.positions[a] == sheet.start[a] && sheet.positions[b] == sheet.start[b] { start } else { position + (folded - beside) };
+        for axis in (0..3).filter(|&axis| frozen[axis]) {
+            position[axis] = start[axis] - by[axis];
+        }
+        (position, start)
+    }
+
+    /// From the middle of the edge `a`–`b` to that of the cubic that leaves its ends perpendicular to their normals, as sides of curved
+    /// point-normal triangles do ([Vlachos et al. 2001]). None where they look apart.
+    fn sagitta(&self, a: usize, b: usize, places: &[Vec3]) -> Vec3 {
+        let normal = |v: usize| self.normal_sum(v, places).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let (n, m, edge) = (normal(a), normal(b), places[b] - places[a]);
+        if n.dot(&m) <= 0.0 {
+            return Vec3::zeros();
+        }
+        let beside = (m * edge.dot(&m) - n * edge.dot(&n)) / 8.0;
+        let most = MOST_SAGITTA * edge.norm();
+        beside * (most / beside.norm().max(most))
     }
 }

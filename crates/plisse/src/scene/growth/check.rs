@@ -36,6 +36,7 @@ pub(in crate::scene) fn check(scene: &Scene, table: &GrowthTable) -> Result<()> 
     }
     within("growth.steps", table.steps, 1, MOST_STEPS)?;
     within("growth.iteration_limit", table.iteration_limit, 1, 1_000_000)?;
+    within("growth.remesh.finish_iterations", table.remesh.as_ref().and_then(|remesh| remesh.finish_iterations), 1, 1_000_000)?;
     for (name, value) in [("plasticity", table.plasticity), ("imperfection", table.imperfection)] {
         if let Some(value) = value
             && !(0.0..=1.0).contains(&value)

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::BuiltGrowth;
-use super::schema::{GrowthTable, PanelAxis};
+use super::schema::{CountTable, PanelAxis};
 use crate::growth::measure::{Reached, Relief, Window, offsets_m, reached};
 use crate::mesh::{Vec2, Vec3};
 use crate::rest::RestMetric;
@@ -52,9 +52,9 @@ pub struct Counted {
 }
 
 /// The windows of the scene.
-pub(super) fn places(table: &GrowthTable, laid: &Laid) -> Result<Vec<Place>> {
+pub(super) fn places(counts: &[CountTable], laid: &Laid) -> Result<Vec<Place>> {
     let mut places = Vec::new();
-    for (i, count) in table.count.iter().enumerate() {
+    for (i, count) in counts.iter().enumerate() {
         let Some(panel) = laid.panels.iter().find(|panel| panel.name == count.panel) else { continue };
         let corners = |f: usize| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy());
         let place = match (count.low_m, count.high_m, count.centre_m, count.radius_m, count.width_m) {

@@ -1,8 +1,9 @@
 //! Scenes that grow: `[growth]` made ready for [`crate::growth::grow`].
 //!
 //! [`schema`] is the table's content, `check` says what its types cannot, `maps` turns it into numbers for each vertex, [`count`] reads
-//! folds off what has grown.
+//! folds off what has grown, `adapted` is the scene on the mesh that followed its folds.
 
+mod adapted;
 pub(super) mod check;
 pub mod count;
 pub(super) mod maps;
@@ -15,7 +16,7 @@ use super::hold::{self, AXES, Grip};
 use super::laid::Laid;
 use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
-use crate::growth::{Expansion, Growing, GrowthOptions};
+use crate::growth::{AdaptOptions, Expansion, Growing, GrowthOptions};
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
@@ -42,6 +43,10 @@ pub struct BuiltGrowth {
     pub steps: Option<usize>,
     /// Whether folds keep from passing through each other.
     pub self_contact: bool,
+    /// How the mesh follows the folds; none: it stays as it is.
+    pub adapt: Option<AdaptOptions>,
+    /// What is counted.
+    counts: Vec<schema::CountTable>,
     /// Where folds are counted.
     windows: Vec<count::Place>,
 }
@@ -108,7 +113,7 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let (wavelength_m, coherence_m) = (map("wavelength_m", Some(&table.wavelength_m))?, map("coherence_m", table.coherence_m.as_ref())?);
     let (bias, stickiness) = (map("bias", table.bias.as_ref())?, map("stickiness", table.stickiness.as_ref())?);
     let (expansion, frozen) = (maps::expansion(scene, table, &laid)?, frozen(scene, table, &laid)?);
-    let windows = count::places(table, &laid)?;
+    let windows = count::places(&table.count, &laid)?;
     let mut options = GrowthOptions { young_pa: scene.material.young_pa, poisson: scene.material.poisson, ..GrowthOptions::default() };
     options.seed = table.seed.unwrap_or(options.seed);
     options.plasticity = table.plasticity.unwrap_or(options.plasticity);
@@ -117,10 +122,14 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
-    let (steps, self_contact) = (table.steps, table.self_contact.unwrap_or(true));
+    let adapt = table.remesh.as_ref().map(|remesh| adapted::options(remesh, &built.topology, &built.start));
+    let (steps, counts, self_contact) = (table.steps, table.count.clone(), table.self_contact.unwrap_or(true));
     let grown =
-        BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps, self_contact, windows };
-    grown.growing().check()?;
+        BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps, self_contact, adapt, counts, windows };
+    match &grown.adapt {
+        Some(adapt) => adapt.check(&grown.growing(), &grown.options)?,
+        None => grown.growing().check()?,
+    }
     Ok(grown)
 }
 
@@ -236,6 +245,12 @@ mod tests {
             ("high_m = [0.9, 0.4]", "high_m = [9, 9]", "reaches beyond"),
             ("high_m = [0.9, 0.4]", "radius_m = 1", "or centre_m, radius_m and width_m for a ring"),
             ("wavelength_m = 0.25", "wavelength_m = 0.25\nplasticity = 2", "growth.plasticity: 2 is no share"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.005\nremesh = { most_vertices = 9000 }", "need about 1"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nremesh = { edges_per_wave = 2 }", "carry no folds"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nremesh = { edges_per_wave = 9, finish_edges_per_wave = 8 }", "as many or more"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nremesh = { longest_m = 0 }", "growth.remesh.longest_m: 0 is no length"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nplasticity = 0.5\nremesh = {}", "give one of them only"),
+            ("wavelength_m = 0.25", "wavelength_m = 0.25\nremesh = { finest = 1 }", "there is no field finest here"),
         ] {
             let text = message(from, to);
             assert!(text.contains(says) && text.starts_with("s.toml, ") && text.contains("; "), "{to}: {text}");

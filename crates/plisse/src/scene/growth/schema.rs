@@ -41,6 +41,26 @@ pub struct GrowthTable {
     pub self_contact: Option<bool>,
     /// Newton iterations at most in each step.
     pub iteration_limit: Option<usize>,
+    /// How the mesh follows the folds; none: it stays as it is.
+    pub remesh: Option<RemeshTable>,
+}
+
+/// `[growth.remesh]`: see [`crate::growth::adapt`].
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RemeshTable {
+    /// Edges to a wavelength while it grows; none: 6.
+    pub edges_per_wave: Option<f64>,
+    /// Edges to a wavelength at the end; none: 8, or as many as while it grows if these are more.
+    pub finish_edges_per_wave: Option<f64>,
+    /// Length of edges where nothing grows (m); none: the mean of the mesh's.
+    pub longest_m: Option<f64>,
+    /// No vertex is added beyond this many; none: 200,000.
+    pub most_vertices: Option<usize>,
+    /// Newton iterations at most on each of the finer meshes at the end; none: 20.
+    pub finish_iterations: Option<usize>,
+    /// Whether new vertices of a curved starting surface lie on its curve; none: they lie on the given faces.
+    pub round_start: Option<bool>,
 }
 
 /// `[[growth.expansion]]`.

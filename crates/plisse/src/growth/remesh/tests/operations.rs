@@ -42,6 +42,7 @@ fn shake(sheet: Sheet, outward: impl Fn(&Vec3) -> Vec3, tolerances: Tolerances, 
                 active: patch.active.clone(),
                 dead: patch.dead.clone(),
                 changed: patch.changed.clone(),
+                curving: patch.curving,
                 living: patch.living,
             };
             let living = copy.living;

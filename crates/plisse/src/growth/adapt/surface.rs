@@ -1,0 +1,179 @@
+//! A growing surface with everything it carries, from mesh to mesh.
+
+use crate::Result;
+use crate::growth::equilibrium::Growing;
+use crate::growth::expansion::{Expansion, Growth, vertex_normals};
+use crate::growth::remesh::{Curving, RemeshOptions, RemeshReport, Sheet, remesh};
+use crate::mesh::crossing::crossing_pairs;
+use crate::mesh::{Topology, Vec2, Vec3};
+use crate::obstacle::Obstacle;
+use crate::rest::RestMetric;
+use crate::shell::Loads;
+
+/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, three of the place, six of ln τ. One for each band follows.
+const CHANNELS: usize = 14;
+/// Where the place and ln τ begin among them.
+const PLACE: usize = 5;
+const LOGARITHM: usize = 8;
+
+/// What [`Growing`] borrows, owned: its mesh changes as it grows.
+#[derive(Clone, Debug)]
+pub struct Surface<'a> {
+    /// Connectivity.
+    pub topology: Topology,
+    /// `[F]` rest metric before growth.
+    pub rest: RestMetric,
+    /// `[V]` the starting surface (m).
+    pub start: Vec<Vec3>,
+    /// `[V]` the pose (m).
+    pub pose: Vec<Vec3>,
+    /// `[V]` places (m) from which imperfections are drawn.
+    pub places: Vec<Vec3>,
+    /// How it grows.
+    pub expansion: Expansion,
+    /// `[V]` λ (m).
+    pub wavelength_m: Vec<f64>,
+    /// `[V]` Λ (m).
+    pub coherence_m: Vec<f64>,
+    /// `[V]` offset that the surface prefers, in wavelengths.
+    pub bias: Vec<f64>,
+    /// `[V]` how much harder than out it goes in.
+    pub stickiness: Vec<f64>,
+    /// `[V]` axes along which each vertex is frozen.
+    pub frozen: Vec<[bool; 3]>,
+    /// Sets of vertices that move as one.
+    pub bands: Vec<Vec<usize>>,
+    /// `[F][3]` texture places.
+    pub uvs: Option<Vec<[Vec2; 3]>>,
+    /// What pushes.
+    pub loads: Loads,
+    /// Bodies that no vertex enters.
+    pub obstacles: &'a [Obstacle],
+    /// Distance (m) from an obstacle within which it pushes back.
+    pub contact_thickness_m: f64,
+    /// Whether folds keep from passing through each other.
+    pub self_contact: bool,
+}
+
+impl<'a> Surface<'a> {
+    /// The surface of `growing` where it starts, with texture places (`[F][3]`) or none.
+    pub fn new(growing: &Growing<'a>, uvs: Option<Vec<[Vec2; 3]>>) -> Self {
+        Self {
+            topology: growing.topology.clone(),
+            rest: growing.rest.clone(),
+            start: growing.start.to_vec(),
+            pose: growing.start.to_vec(),
+            places: growing.places.clone(),
+            expansion: growing.expansion.clone(),
+            wavelength_m: growing.wavelength_m.clone(),
+            coherence_m: growing.coherence_m.clone(),
+            bias: growing.bias.clone(),
+            stickiness: growing.stickiness.clone(),
+            frozen: growing.frozen.clone(),
+            bands: growing.bands.clone(),
+            uvs,
+            loads: growing.loads.clone(),
+            obstacles: growing.obstacles,
+            contact_thickness_m: growing.contact_thickness_m,
+            self_contact: growing.self_contact,
+        }
+    }
+
+    /// As [`crate::growth::grow`] takes it.
+    pub fn growing(&self) -> Growing<'_> {
+        Growing {
+            topology: &self.topology,
+            rest: &self.rest,
+            start: &self.start,
+            places: self.places.clone(),
+            expansion: self.expansion.clone(),
+            wavelength_m: self.wavelength_m.clone(),
+            coherence_m: self.coherence_m.clone(),
+            bias: self.bias.clone(),
+            stickiness: self.stickiness.clone(),
+            frozen: self.frozen.clone(),
+            bands: self.bands.clone(),
+            loads: self.loads.clone(),
+            obstacles: self.obstacles,
+            contact_thickness_m: self.contact_thickness_m,
+            self_contact: self.self_contact,
+        }
+    }
+
+    /// Remeshes all of it. Vertices that stay keep all they carry to the bit; of new ones, ln τ is the mean of the ends of the edge they
+    /// were made on. A point force whose vertex goes acts on the one nearest to it at the start. If nothing is to be changed, nothing is.
+    ///
+    /// Where folds must not pass through each other and would on the new mesh, new vertices are laid into the middle of their edges; if
+    /// that does not help, the mesh stays.
+    ///
+    /// # Errors
+    /// As [`remesh`].
+    pub(super) fn remesh(&mut self, options: &RemeshOptions) -> Result<RemeshReport> {
+        let growth = &self.expansion.vertices;
+        let mut channels = vec![self.wavelength_m.clone(), growth.iter().map(|g| g.principal().0[0].max(1.0)).collect()];
+        channels.extend([self.coherence_m.clone(), self.bias.clone(), self.stickiness.clone()]);
+        channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
+        let logarithms: Vec<[f64; 6]> = growth.iter().map(Growth::logarithm).collect();
+        channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
+        debug_assert_eq!(channels.len(), CHANNELS);
+        channels.extend(self.bands.iter().map(|band| {
+            let mut inside = vec![0.0; self.start.len()];
+            band.iter().for_each(|&v| inside[v] = 1.0);
+            inside
+        }));
+        let sheet = Sheet {
+            faces: self.topology.faces.clone(),
+            rest: self.rest.faces.clone(),
+            positions: self.pose.clone(),
+            start: self.start.clone(),
+            channels,
+            frozen: self.frozen.clone(),
+            uvs: self.uvs.clone(),
+        };
+        let active = vec![true; sheet.faces.len()];
+        let flat = RemeshOptions { curving: Curving::Flat, ..options.clone() };
+        let crosses = |sheet: &Sheet| self.self_contact && !crossing_pairs(&sheet.faces, &sheet.positions).is_empty();
+        let mut remeshed = remesh(sheet.clone(), &active, options)?;
+        if crosses(&remeshed.sheet) {
+            remeshed = remesh(sheet, &active, &flat)?;
+            if crosses(&remeshed.sheet) {
+                return Ok(RemeshReport::default());
+            }
+        }
+        let report = remeshed.report;
+        if report.splits + report.swaps + report.collapses == 0 {
+            return Ok(report);
+        }
+        let sheet = remeshed.sheet;
+        let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces)?;
+        let normals = vertex_normals(&topology, &sheet.start)?;
+        let c = &sheet.channels;
+        let made = |v: usize| Growth::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]));
+        let mut vertices: Vec<Growth> = (0..normals.len()).map(made).collect();
+        for (old, new) in remeshed.maps.vertices.iter().enumerate() {
+            if let Some(new) = *new {
+                vertices[new] = self.expansion.vertices[old];
+            }
+        }
+        let nearest = |p: &Vec3| {
+            let square = |v: &usize| (sheet.start[*v] - p).norm_squared();
+            (0..sheet.start.len()).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or_default()
+        };
+        for (v, _) in &mut self.loads.forces_newton {
+            *v = remeshed.maps.vertices[*v].unwrap_or_else(|| nearest(&self.start[*v]));
+        }
+        self.places = (0..normals.len()).map(|v| Vec3::new(c[PLACE][v], c[PLACE + 1][v], c[PLACE + 2][v])).collect();
+        self.expansion = Expansion { vertices };
+        // A new vertex belongs to a band if all it lies between does.
+        let belongs = |b: usize| (0..c[0].len()).filter(|&v| c[CHANNELS + b][v] > 1.0 - 1e-9).collect();
+        self.bands = (0..self.bands.len()).map(belongs).collect();
+        let mut channels = sheet.channels.into_iter();
+        let mut next = || channels.next().unwrap_or_default();
+        (self.wavelength_m, _) = (next(), next());
+        (self.coherence_m, self.bias, self.stickiness) = (next(), next(), next());
+        self.topology = topology;
+        self.rest = RestMetric { faces: sheet.rest };
+        (self.pose, self.start, self.frozen, self.uvs) = (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
+        Ok(report)
+    }
+}

@@ -1,0 +1,315 @@
+//! Painting folds: dabs of a brush, each followed by a solve of what lies around it, and of nothing else (4.6 of
+//! [Combaz & Neyret 2002]).
+//!
+//! A [`Sculpture`] owns a surface and all that is painted on it. A [`Dab`] changes the values under the brush; then the film around it, up
+//! to [`SculptOptions::margin`] wavelengths beyond, takes a few Newton steps from where it is. All outside are constants of that small
+//! problem: they keep their place to the bit, and how many they are costs nothing. After a stroke, [`Sculpture::settle`] brings all that
+//! was touched to rest.
+//!
+//! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its stretching stiffness; weight is exact.
+
+mod change;
+mod dab;
+mod reach;
+mod region;
+
+pub use change::Change;
+pub use dab::{Dab, Paint, Spot};
+
+use std::time::Instant;
+
+use super::equilibrium::{Effort, Growing, GrowthOptions, Scale, StepReport, Within, settle_part};
+use super::expansion::{Expansion, Growth, vertex_normals};
+use crate::mesh::{NONE, Topology, Vec3};
+use crate::obstacle::Obstacle;
+use crate::progress::{Observer, Silent};
+use crate::rest::RestMetric;
+use crate::shell::Loads;
+use crate::{Error, Result};
+use reach::Reach;
+use region::Region;
+
+/// What is painted on one vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Painted {
+    /// How it grows.
+    pub growth: Growth,
+    /// λ (m).
+    pub wavelength_m: f64,
+    /// Λ (m).
+    pub coherence_m: f64,
+    /// Offset that the surface prefers, in wavelengths.
+    pub bias: f64,
+    /// How much harder than out the surface goes in.
+    pub stickiness: f64,
+    /// Axes along which it stays where it is.
+    pub frozen: [bool; 3],
+}
+
+/// How a brush is followed.
+#[derive(Clone, Debug)]
+pub struct SculptOptions {
+    /// How far beyond the brush the surface may move, in wavelengths.
+    pub margin: f64,
+    /// Newton iterations after each dab.
+    pub iterations: usize,
+    /// Largest factor of length up to which a brush grows a place, and one over it the least.
+    pub growth_limit: f64,
+}
+
+impl Default for SculptOptions {
+    fn default() -> Self {
+        Self { margin: 1.25, iterations: 2, growth_limit: 4.0 }
+    }
+}
+
+/// How a dab, or settling, went.
+#[derive(Clone, Debug, Default)]
+pub struct SculptReport {
+    /// Vertices under the brush.
+    pub touched: usize,
+    /// Vertices that could move.
+    pub active: usize,
+    /// Vertices of the problem, with those around that stay.
+    pub solved: usize,
+    /// The solve; none if nothing could move.
+    pub step: Option<StepReport>,
+    /// Seconds: finding what is touched and around it, painting and cutting the piece out, solving, all together.
+    pub seconds: [f64; 4],
+}
+
+/// A surface that is being painted.
+#[derive(Clone, Debug)]
+pub struct Sculpture {
+    topology: Topology,
+    rest: RestMetric,
+    start: Vec<Vec3>,
+    places: Vec<Vec3>,
+    painted: Vec<Painted>,
+    pose: Vec<Vec3>,
+    loads: Loads,
+    /// Point forces (N), by vertex.
+    forces: Vec<(usize, Vec3)>,
+    obstacles: Vec<Obstacle>,
+    contact_thickness_m: f64,
+    self_contact: bool,
+    options: GrowthOptions,
+    brush: SculptOptions,
+    /// `[V]` normals of the starting surface.
+    normals: Vec<Vec3>,
+    /// `[V]` faces around each vertex.
+    around: Vec<Vec<usize>>,
+    scale: Scale,
+    reach: Reach,
+    /// `[V]` room to count in.
+    number: Vec<usize>,
+    /// Vertices that are not settled, ascending.
+    awake: Vec<usize>,
+}
+
+impl Sculpture {
+    /// The surface of `growing` in the pose `pose` (`[V]`, m): its starting surface, or what it has grown to. Frozen axes stay where they are
+    /// in that pose.
+    ///
+    /// # Errors
+    /// As [`Growing::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose has another number of vertices.
+    pub fn new(growing: &Growing<'_>, pose: Vec<Vec3>, options: GrowthOptions, brush: SculptOptions) -> Result<Self> {
+        growing.check()?;
+        if !growing.bands.is_empty() {
+            return Err(Error::value("growth.band", "a brush does not move bands as one; freeze them, or grow the whole"));
+        }
+        let n = growing.start.len();
+        if pose.len() != n {
+            return Err(Error::mesh("sculpture", format!("the pose has {} vertices and the surface {n}; give the surface's", pose.len())));
+        }
+        let mut loads = growing.loads.clone();
+        let mut forces = std::mem::take(&mut loads.forces_newton);
+        forces.sort_by_key(|force| force.0);
+        let painted = |v: usize| Painted {
+            growth: growing.expansion.vertices[v],
+            wavelength_m: growing.wavelength_m[v],
+            coherence_m: growing.coherence_m[v],
+            bias: growing.bias[v],
+            stickiness: growing.stickiness[v],
+            frozen: growing.frozen[v],
+        };
+        Ok(Self {
+            painted: (0..n).map(painted).collect(),
+            normals: vertex_normals(growing.topology, growing.start)?,
+            around: growing.topology.vertex_faces(),
+            scale: Scale::of(growing),
+            topology: growing.topology.clone(),
+            rest: growing.rest.clone(),
+            start: growing.start.to_vec(),
+            places: growing.places.clone(),
+            pose,
+            loads,
+            forces,
+            obstacles: growing.obstacles.to_vec(),
+            contact_thickness_m: growing.contact_thickness_m,
+            self_contact: growing.self_contact,
+            options,
+            brush,
+            reach: Reach::new(n),
+            number: vec![NONE; n],
+            awake: Vec::new(),
+        })
+    }
+
+    /// Connectivity.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    /// `[V]` the starting surface (m).
+    pub fn start(&self) -> &[Vec3] {
+        &self.start
+    }
+
+    /// `[V]` where the surface is now (m).
+    pub fn pose(&self) -> &[Vec3] {
+        &self.pose
+    }
+
+    /// `[V]` what is painted on it.
+    pub fn painted(&self) -> &[Painted] {
+        &self.painted
+    }
+
+    /// Whether a stroke left anything to settle.
+    pub fn is_settled(&self) -> bool {
+        self.awake.is_empty()
+    }
+
+    /// The whole as [`super::grow`] takes it.
+    pub fn growing(&self) -> Growing<'_> {
+        Growing {
+            topology: &self.topology,
+            rest: &self.rest,
+            start: &self.start,
+            places: self.places.clone(),
+            expansion: Expansion { vertices: self.painted.iter().map(|p| p.growth).collect() },
+            wavelength_m: self.painted.iter().map(|p| p.wavelength_m).collect(),
+            coherence_m: self.painted.iter().map(|p| p.coherence_m).collect(),
+            bias: self.painted.iter().map(|p| p.bias).collect(),
+            stickiness: self.painted.iter().map(|p| p.stickiness).collect(),
+            frozen: self.painted.iter().map(|p| p.frozen).collect(),
+            bands: Vec::new(),
+            loads: Loads { forces_newton: self.forces.clone(), ..self.loads.clone() },
+            obstacles: &self.obstacles,
+            contact_thickness_m: self.contact_thickness_m,
+            self_contact: self.self_contact,
+        }
+    }
+
+    /// Touches the surface with a brush and lets what lies around follow. Returns what was overwritten, to [`Sculpture::restore`] it.
+    ///
+    /// Small factors (up to 1.1) give the pattern time to choose itself, as the steps of [`super::grow`] do.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a brush that is none, or a painted value out of range; [`Error::Mesh`] if grown sides make no triangle. The
+    /// sculpture then is as before, to the bit.
+    pub fn dab(&mut self, dab: &Dab) -> Result<(Change, SculptReport)> {
+        let begun = Instant::now();
+        dab.check(self.topology.face_count())?;
+        let [a, b, c] = self.topology.faces[dab.spot.face].map(|v| self.painted[v].wavelength_m);
+        let mut margin = a.max(b).max(c);
+        if let Paint::Wavelength(to) = dab.paint {
+            margin = margin.max(to).min(2.0 * margin);
+        }
+        let near = self.reach.from(&self.topology.faces, &self.around, &self.start, &dab.spot, dab.radius_m + self.brush.margin * margin);
+        let found = begun.elapsed().as_secs_f64();
+        let mut painted: Vec<(usize, Painted)> = Vec::new();
+        for &(v, distance) in &near {
+            let (strength, old) = (dab.strength(distance), self.painted[v]);
+            if strength > 0.0 {
+                self.painted[v] = old.under(&dab.paint, strength, &self.brush);
+                painted.push((v, old));
+            }
+        }
+        painted.sort_unstable_by_key(|entry| entry.0);
+        let mut active: Vec<usize> = near.into_iter().map(|(v, _)| v).collect();
+        active.sort_unstable();
+        let effort = Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };
+        let (moved, mut report) = match self.follow(&active, effort, &Silent) {
+            Ok(followed) => followed,
+            Err(error) => {
+                painted.iter().for_each(|&(v, old)| self.painted[v] = old);
+                return Err(error);
+            }
+        };
+        report.touched = painted.len();
+        report.seconds[0] = found;
+        let woken: Vec<usize> = active.into_iter().filter(|v| self.awake.binary_search(v).is_err()).collect();
+        self.wake(&woken);
+        report.seconds[3] = begun.elapsed().as_secs_f64();
+        Ok((Change { poses: moved, painted, woken, calmed: Vec::new() }, report))
+    }
+
+    /// Brings all that dabs have touched since the last call to rest. If the observer cancels, or the limit of iterations comes first, it
+    /// is not at rest yet and another call goes on.
+    ///
+    /// # Errors
+    /// [`Error::Numeric`] if there is no finite energy; the sculpture then is as before.
+    pub fn settle(&mut self, observer: &dyn Observer) -> Result<(Change, SculptReport)> {
+        let begun = Instant::now();
+        if self.awake.is_empty() {
+            return Ok((Change::default(), SculptReport::default()));
+        }
+        let active = std::mem::take(&mut self.awake);
+        let followed = self.follow(&active, Effort::exact(&self.options), observer);
+        self.awake = active;
+        let (poses, mut report) = followed?;
+        let resting = report.step.as_ref().is_none_or(|step| step.residual <= self.options.tolerance);
+        let calmed = if resting { std::mem::take(&mut self.awake) } else { Vec::new() };
+        report.seconds[3] = begun.elapsed().as_secs_f64();
+        Ok((Change { poses, calmed, ..Change::default() }, report))
+    }
+
+    /// Undoes `change`, which must be the last that was not undone, to the bit. Returns what restores it again.
+    pub fn restore(&mut self, change: Change) -> Change {
+        let Change { mut poses, mut painted, woken, calmed } = change;
+        poses.iter_mut().for_each(|(v, pose)| std::mem::swap(pose, &mut self.pose[*v]));
+        painted.iter_mut().for_each(|(v, value)| std::mem::swap(value, &mut self.painted[*v]));
+        self.awake.retain(|v| woken.binary_search(v).is_err());
+        self.wake(&calmed);
+        Change { poses, painted, woken: calmed, calmed: woken }
+    }
+
+    /// Adds `vertices` (ascending, none of them awake) to those that are.
+    fn wake(&mut self, vertices: &[usize]) {
+        self.awake.extend_from_slice(vertices);
+        self.awake.sort_unstable();
+    }
+
+    /// Solves for the `active` (ascending) vertices and returns the old poses (m) of those that moved.
+    fn follow(&mut self, active: &[usize], effort: Effort, observer: &dyn Observer) -> Result<(Vec<(usize, Vec3)>, SculptReport)> {
+        let begun = Instant::now();
+        let mut number = std::mem::take(&mut self.number);
+        let region = Region::new(self, active, &mut number);
+        self.number = number;
+        let region = region?;
+        let mut report = SculptReport { active: active.len(), solved: region.vertices.len(), ..SculptReport::default() };
+        let cut = begun.elapsed().as_secs_f64();
+        let mut pose = region.pose.clone();
+        if active.iter().any(|&v| self.painted[v].frozen != [true; 3]) {
+            let growing = region.growing(self);
+            growing.check()?;
+            let within = Within { still: &region.still, pose: &region.pose, normals: &region.normals, scale: self.scale };
+            let step = settle_part(&growing, 1.0, effort, &self.options, Some(&within), &mut pose, observer)?;
+            if step.iterations == 0 {
+                // Unknowns are scaled; what did not move keeps its bits.
+                pose.clone_from(&region.pose);
+            }
+            report.step = Some(step);
+        }
+        let mut moved = Vec::new();
+        for (n, &v) in region.vertices.iter().enumerate() {
+            if pose[n] != self.pose[v] {
+                moved.push((v, std::mem::replace(&mut self.pose[v], pose[n])));
+            }
+        }
+        report.seconds = [0.0, cut, begun.elapsed().as_secs_f64() - cut, 0.0];
+        Ok((moved, report))
+    }
+}

@@ -1,0 +1,148 @@
+//! `[growth.remesh]`: the scene on the mesh that followed its folds.
+
+use std::collections::BTreeMap;
+
+use super::BuiltGrowth;
+use super::count;
+use super::schema::RemeshTable;
+use crate::Result;
+use crate::growth::remesh::Curving;
+use crate::growth::{AdaptOptions, Surface};
+use crate::mesh::{Topology, Vec2, Vec3};
+use crate::rest::RestMetric;
+use crate::scene::build::{Built, BuiltPanel};
+use crate::scene::laid::Laid;
+use crate::shell::Clamps;
+
+/// The options of `table` for a scene that starts with this mesh.
+pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> AdaptOptions {
+    let lengths: f64 = topology.edges.iter().map(|&[i, j]| (start[j] - start[i]).norm()).sum();
+    let mut options = AdaptOptions::new(table.longest_m.unwrap_or(lengths / topology.edge_count() as f64));
+    options.edges_per_wave = table.edges_per_wave.unwrap_or(options.edges_per_wave);
+    options.finish_edges_per_wave = table.finish_edges_per_wave.unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
+    options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
+    options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
+    if table.round_start == Some(true) {
+        options.curving = Curving::Start;
+    }
+    options
+}
+
+impl BuiltGrowth {
+    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: texture places, or else places (m) in the plane of
+    /// the panels, each panel apart from the others; none for a mesh that has neither.
+    pub fn chart(&self) -> Option<Vec<[Vec2; 3]>> {
+        let built = &self.built;
+        if let Some((coordinates, corners)) = &built.texture {
+            return Some(corners.iter().map(|face| face.map(|t| coordinates[t])).collect());
+        }
+        let (_, apart) = self.plane()?;
+        let mut chart: Vec<[Vec2; 3]> = built.rest_faces.iter().map(|face| face.map(|r| built.rest_positions[r].xy())).collect();
+        for (p, panel) in built.panels.iter().enumerate() {
+            chart[panel.faces.clone()].iter_mut().flatten().for_each(|place| place.x += p as f64 * apart);
+        }
+        Some(chart)
+    }
+
+    /// Middle (m) along x of all panels, each from its own origin, and how far apart (m) the chart lays them; none where the rest shape is
+    /// not flat.
+    fn plane(&self) -> Option<(f64, f64)> {
+        let places = &self.built.rest_positions;
+        let first = *places.first()?;
+        let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let size = high - low;
+        let flat = size.z <= 1e-9 * size.x.max(size.y);
+        // A power of two, so that little is lost by adding it.
+        flat.then(|| (0.5 * (low.x + high.x), (4.0 * size.x).log2().ceil().exp2()))
+    }
+
+    /// This scene on the mesh of `surface`, which has grown from it with [`BuiltGrowth::chart`]; the pose (`[V]`, m) and the rest metric that
+    /// was asked. Faces are in the order of the panels again.
+    ///
+    /// # Errors
+    /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which folds are counted reaches beyond it.
+    pub fn on(&self, surface: Surface<'_>) -> Result<(Self, Vec<Vec3>, RestMetric)> {
+        let corner_places = surface.uvs.as_deref();
+        let by_panel = (self.built.texture.is_none() && !self.built.panels.is_empty()).then(|| self.plane()).flatten();
+        let panel_of = |f: usize| match (by_panel, corner_places) {
+            (Some((middle, apart)), Some(places)) => {
+                let x = places[f].iter().map(|p| p.x).sum::<f64>() / 3.0;
+                ((x - middle) / apart).round().max(0.0) as usize
+            }
+            _ => 0,
+        };
+        let mut order: Vec<usize> = (0..surface.topology.face_count()).collect();
+        order.sort_by_key(|&f| panel_of(f));
+        let faces = order.iter().map(|&f| surface.topology.faces[f]).collect();
+        let topology = Topology::new("remeshing", surface.topology.vertex_count, faces)?;
+        let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
+        let asked = surface.expansion.act_on(&topology, &surface.start, &rest)?;
+
+        let mut panels: Vec<BuiltPanel> =
+            self.built.panels.iter().map(|panel| BuiltPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 }).collect();
+        let (mut places, mut corners) = (Vec::new(), Vec::new());
+        if let Some(corner_places) = corner_places {
+            let mut known = BTreeMap::new();
+            for (n, &f) in order.iter().enumerate() {
+                let panel = panel_of(f);
+                let shift = by_panel.map_or(0.0, |(_, apart)| panel as f64 * apart);
+                corners.push([0, 1, 2].map(|k| {
+                    let place = corner_places[f][k];
+                    *known.entry((panel, surface.topology.faces[f][k], place.x.to_bits(), place.y.to_bits())).or_insert_with(|| {
+                        places.push(Vec2::new(place.x - shift, place.y));
+                        places.len() - 1
+                    })
+                }));
+                if let Some(panel) = panels.get_mut(panel) {
+                    panel.faces = (if panel.faces.is_empty() { n } else { panel.faces.start })..n + 1;
+                    let first =
+                        if panel.rest_vertices.is_empty() { corners[n].into_iter().min().unwrap_or(0) } else { panel.rest_vertices.start };
+                    panel.rest_vertices = first..places.len();
+                }
+            }
+        }
+        let textured = self.built.texture.is_some() && corner_places.is_some();
+        let (rest_positions, rest_faces, texture) = if textured || corners.is_empty() {
+            let texture = textured.then_some((places, corners));
+            (surface.start.clone(), topology.faces.clone(), texture)
+        } else {
+            (places.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), corners, None)
+        };
+        let laid = Laid {
+            topology,
+            rest_positions,
+            rest_faces,
+            start: surface.start,
+            vertex_of_rest: Vec::new(),
+            panels,
+            sides: Vec::new(),
+            texture,
+            notes: Vec::new(),
+        };
+        let windows = count::places(&self.counts, &laid)?;
+        let built = Built {
+            clamps: Clamps::none(laid.topology.vertex_count),
+            topology: laid.topology,
+            rest,
+            rest_positions: laid.rest_positions,
+            rest_faces: laid.rest_faces,
+            start: laid.start,
+            loads: surface.loads,
+            panels: laid.panels,
+            texture: laid.texture,
+            ..self.built.clone()
+        };
+        let grown = Self {
+            built,
+            expansion: surface.expansion,
+            wavelength_m: surface.wavelength_m,
+            coherence_m: surface.coherence_m,
+            bias: surface.bias,
+            stickiness: surface.stickiness,
+            frozen: surface.frozen,
+            windows,
+            ..self.clone()
+        };
+        Ok((grown, surface.pose, asked))
+    }
+}
