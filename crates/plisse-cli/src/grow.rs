@@ -6,10 +6,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::Result;
 use plisse::field::curvature::vertex_normals;
-use plisse::growth::equilibrium::grow_each;
 use plisse::growth::measure::offsets_m;
+use plisse::growth::reference::{LevelReport, grow_by_forces_each};
+use plisse::growth::{StepReport, grow_each};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::newton::Ending;
@@ -17,16 +17,18 @@ use plisse::mesh::{Vec2, Vec3};
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::rest::RestMetric;
+use plisse::scene::growth::Mode;
 use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
+use plisse::{Error, Result};
 
 use crate::Done;
-use crate::arguments::GrowArguments;
-use crate::outputs::{self, CLOTH, CLOTH_SRGB, draw_panels_by, panel_texture};
+use crate::arguments::{GrowArguments, GrowthMode};
+use crate::outputs::{self, CLOTH, CLOTH_SRGB, draw_frames, draw_panels_by, panel_texture};
 use crate::progress::Bars;
 use crate::report::ending_name;
 use crate::road::{open_output_at, with_threads};
-use report::{Report, Seconds};
+use report::{Report, Seconds, StepSummary};
 
 /// Share of the growth that is missing from which on it is worth a note.
 const SHORT: f64 = 0.97;
@@ -50,54 +52,148 @@ impl Observer for Watched<'_> {
     }
 }
 
+/// How folding went, in either mode.
+pub(crate) struct Outcome {
+    mode: Mode,
+    pose: Vec<Vec3>,
+    asked: RestMetric,
+    steps: Vec<StepSummary>,
+    cancelled: bool,
+    /// Largest force on a vertex at which the mode would have ended.
+    tolerance: f64,
+    /// The unit of that, and of what is left.
+    unit: &'static str,
+    residual_newton: Option<f64>,
+    seconds: f64,
+}
+
+impl Outcome {
+    /// How the last step ended; "converged" where there was none.
+    fn ending(&self) -> &'static str {
+        self.steps.last().map_or(ending_name(Ending::Converged), |step| step.ending)
+    }
+
+    fn residual(&self) -> f64 {
+        self.steps.last().map_or(0.0, |step| step.residual)
+    }
+
+    fn at_rest(&self) -> bool {
+        self.steps.last().is_none_or(|step| step.at_rest)
+    }
+}
+
+/// What is done with each pose that a step led to.
+type Each<'a> = &'a mut dyn FnMut(&[Vec3]) -> Result<()>;
+
+fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, each: Each<'_>) -> Result<Outcome> {
+    let growing = grown.growing();
+    if mode == Mode::Reference {
+        if grown.options.plasticity > 0.0 {
+            return Err(Error::value("growth.plasticity", "the reference mode forgets no stress; remove this, or use the other mode"));
+        }
+        let (pose, found) = grow_by_forces_each(&growing, &grown.reference, watched, &mut |_, pose| each(pose))?;
+        let last = found.levels.len();
+        let ending = |n: usize, converged: bool| match converged {
+            true => ending_name(Ending::Converged),
+            false if found.cancelled && n + 1 == last => ending_name(Ending::Cancelled),
+            false => ending_name(Ending::IterationLimit),
+        };
+        let summary = |(n, level): (usize, &LevelReport)| StepSummary {
+            part: level.part,
+            iterations: level.iterations,
+            ending: ending(n, level.converged),
+            residual: level.residual,
+            energy_joule: None,
+            at_rest: level.converged,
+        };
+        let steps = found.levels.iter().enumerate().map(summary).collect();
+        let unit = "of the folding force k_p on a vertex";
+        let (cancelled, tolerance, asked, seconds) = (found.cancelled, grown.reference.tolerance, found.asked, found.seconds);
+        return Ok(Outcome { mode, pose, asked, steps, cancelled, tolerance, unit, residual_newton: None, seconds });
+    }
+    let (pose, found) = grow_each(&growing, parts, growing.start, &grown.options, watched, &mut |_, pose| each(pose))?;
+    let summary = |step: &StepReport| StepSummary {
+        part: step.part,
+        iterations: step.iterations,
+        ending: ending_name(step.ending),
+        residual: step.residual,
+        energy_joule: Some(step.energy_joule),
+        at_rest: step.ending == Ending::Converged || step.residual <= grown.options.tolerance,
+    };
+    let last = found.steps.last();
+    Ok(Outcome {
+        mode,
+        pose,
+        asked: found.asked,
+        steps: found.steps.iter().map(summary).collect(),
+        cancelled: last.is_some_and(|step| step.ending == Ending::Cancelled),
+        tolerance: grown.options.tolerance,
+        unit: "of the force that starts folds on an edge",
+        residual_newton: Some(last.map_or(0.0, |step| step.residual_newton)),
+        seconds: found.seconds,
+    })
+}
+
 pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
-    let grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
-    let parts = grown.parts(arguments.steps.map(|steps| steps as usize));
+    let mut grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
+    let mode = match arguments.mode {
+        Some(GrowthMode::Variational) => Mode::Variational,
+        Some(GrowthMode::Reference) => Mode::Reference,
+        None => grown.mode,
+    };
+    let steps = arguments.steps.map(|steps| steps as usize);
+    let parts = grown.parts(steps);
+    grown.reference.levels = steps.unwrap_or(grown.reference.levels);
+    let count = if mode == Mode::Reference { grown.reference.levels } else { parts.len() };
     let mut folder = open_output_at(arguments.output.as_deref(), &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.threads, || {
         let texture = grown.built.texture.clone().or_else(|| panel_texture(&grown.built.rest_positions, &grown.built.rest_faces));
         let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
-        let faces = &grown.built.topology.faces;
-        let (growing, start) = (grown.growing(), &grown.built.start);
+        let (faces, start) = (&grown.built.topology.faces, &grown.built.start);
         let setup_seconds = begun.elapsed().as_secs_f64();
-        let watched = Watched { bar: bars.counter("grow", parts.len()), interrupted };
-        let mut frames = 0;
-        let mut frame = |folder: &mut OutputFolder, pose: &[Vec3]| {
-            frames += 1;
-            folder.write(&format!("frame-{:04}.obj", frames - 1), |out| obj::write(out, pose, faces, texture))
+        let watched = Watched { bar: bars.counter("grow", count), interrupted };
+        let mut poses: Vec<Vec<Vec3>> = Vec::new();
+        let mut frame = |pose: &[Vec3]| {
+            if arguments.frames {
+                folder.write(&format!("frame-{:04}.obj", poses.len()), |out| obj::write(out, pose, faces, texture))?;
+                poses.push(pose.to_vec());
+            }
+            Ok(())
         };
-        if arguments.frames {
-            frame(&mut folder, start)?;
-        }
-        let mut each = |_: &plisse::growth::StepReport, pose: &[Vec3]| {
+        frame(start)?;
+        let mut each = |pose: &[Vec3]| {
             watched.bar.inc(1);
-            if arguments.frames { frame(&mut folder, pose) } else { Ok(()) }
+            frame(pose)
         };
-        let (pose, found) = grow_each(&growing, &parts, start, &grown.options, &watched, &mut each)?;
+        let found = fold(&grown, mode, &parts, &watched, &mut each)?;
         watched.bar.finish_and_clear();
         let measured = Instant::now();
-        let counted = grown.count(&pose, &found.asked)?;
-        let reached = grown.reached(&pose, &found.asked);
-        let mut report = Report::new(&grown, &pose, &found, reached, counted);
-        report.frames = frames;
+        let counted = grown.count(&found.pose, &found.asked)?;
+        let reached = grown.reached(&found.pose, &found.asked);
+        let mut report = Report::new(&grown, &found, reached, counted);
+        report.frames = poses.len();
         report.seconds =
             Seconds { setup: setup_seconds, grow: found.seconds, measure: measured.elapsed().as_secs_f64(), ..Seconds::default() };
-        report.notes = notes(&grown, &report, &found, parts.len(), interrupted);
-        leave_out_other_frames(&mut folder, arguments, frames);
+        report.notes = notes(&grown, &report, &found, count, interrupted);
+        leave_out_other_frames(&mut folder, arguments, poses.len());
 
         if arguments.no_picture {
             folder.leave_out("picture.png");
         } else {
             let (spinner, drawn) = (bars.spinner("picture"), Instant::now());
-            let picture = picture(&grown, &found.asked, &pose)?;
+            let picture = picture(&grown, &found.asked, &found.pose)?;
             folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
+            let images = draw_frames(&poses, faces, &camera(start, &found.pose), &grown.built.obstacles);
+            for (n, image) in images.iter().enumerate() {
+                folder.write(&format!("frame-{n:04}.png"), |out| plisse::picture::write_png(image, out))?;
+            }
             report.seconds.picture = drawn.elapsed().as_secs_f64();
             drop(spinner);
         }
         let (spinner, written) = (bars.spinner("files"), Instant::now());
-        write_meshes(&mut folder, &pose, faces, texture, &grown)?;
+        write_meshes(&mut folder, &found.pose, faces, texture, &grown)?;
         report.seconds.files = written.elapsed().as_secs_f64();
         report.seconds.total = begun.elapsed().as_secs_f64();
         let table = report.table();
@@ -108,26 +204,21 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
 }
 
 /// What the user should know about what has grown.
-fn notes(
-    grown: &BuiltGrowth,
-    report: &Report,
-    found: &plisse::growth::GrowthReport,
-    steps: usize,
-    interrupted: &AtomicBool,
-) -> Vec<String> {
+fn notes(grown: &BuiltGrowth, report: &Report, found: &Outcome, steps: usize, interrupted: &AtomicBool) -> Vec<String> {
     let mut notes = grown.built.notes.clone();
-    let last = found.steps.last();
-    if last.is_some_and(|step| step.ending == Ending::Cancelled) {
-        let part = last.map_or(0.0, |step| 100.0 * step.part);
+    if found.cancelled {
+        let part = found.steps.last().map_or(0.0, |step| 100.0 * step.part);
         let message =
             format!("interrupted in step {} of {steps}: {part:.0} % of the growth was asked for so far, not all of it", found.steps.len());
         notes.push(message);
     } else if interrupted.load(Ordering::SeqCst) {
         notes.push("interrupted after growth had ended by itself; nothing is missing".to_owned());
-    } else if last.is_some_and(|step| step.ending == Ending::IterationLimit) {
-        let residual = last.map_or(0.0, |step| step.residual);
+    } else if !found.at_rest() {
         notes.push(format!(
-            "the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise growth.iteration_limit or take more steps"
+            "it ended ({}) with a residual of {:.1e}, above {:.0e}; this is no equilibrium, raise growth.iteration_limit or take more steps",
+            found.ending(),
+            found.residual(),
+            found.tolerance
         ));
     } else if let Some(length) = report.length_reached.filter(|&length| length < SHORT) {
         notes.push(format!("{:.0} % of the asked length was reached; what is frozen, sticks or weighs may hold the rest", 100.0 * length));
@@ -140,8 +231,10 @@ fn leave_out_other_frames(folder: &mut OutputFolder, arguments: &GrowArguments, 
     let path = folder_path(arguments);
     for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let number = name.strip_prefix("frame-").and_then(|n| n.strip_suffix(".obj")).and_then(|n| n.parse::<usize>().ok());
-        if number.is_some_and(|n| n >= frames) {
+        let rest = name.strip_prefix("frame-").unwrap_or_default();
+        let number = |ending: &str| rest.strip_suffix(ending).and_then(|n| n.parse::<usize>().ok());
+        let drawn = if arguments.no_picture { 0 } else { frames };
+        if number(".obj").is_some_and(|n| n >= frames) || number(".png").is_some_and(|n| n >= drawn) {
             folder.leave_out(&name);
         }
     }
@@ -206,9 +299,4 @@ fn camera(start: &[Vec3], pose: &[Vec3]) -> Camera {
     let (low, high) = start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = high - low;
     if size.z < LYING * size.x.min(size.y) { Camera::fit(pose, Axis::Z, 20.0, 45.0) } else { Camera::automatic(pose, Axis::Z) }
-}
-
-/// How the last step ended; "converged" where there was none.
-fn ending(found: &plisse::growth::GrowthReport) -> &'static str {
-    ending_name(found.steps.last().map_or(Ending::Converged, |step| step.ending))
 }

@@ -9,6 +9,8 @@ pub mod equilibrium;
 pub mod expansion;
 pub mod film;
 pub mod fold_angle;
+mod imperfection;
+mod loose;
 pub mod measure;
 pub mod procedure;
 pub mod reference;

@@ -9,12 +9,14 @@ pub(super) mod maps;
 pub mod schema;
 
 pub use count::Counted;
+pub use schema::Mode;
 
 use super::build::{Built, assemble, lay};
 use super::hold::{self, AXES, Grip};
 use super::laid::Laid;
 use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
+use crate::growth::reference::ReferenceOptions;
 use crate::growth::{Expansion, Growing, GrowthOptions};
 use crate::rest::RestMetric;
 use crate::{Error, Result};
@@ -34,10 +36,16 @@ pub struct BuiltGrowth {
     pub bias: Vec<f64>,
     /// `[V]` how much harder than out it goes in.
     pub stickiness: Vec<f64>,
+    /// `[V]` how much of the foundation there is.
+    pub hold: Vec<f64>,
     /// `[V]` axes along which vertices stay.
     pub frozen: Vec<[bool; 3]>,
+    /// By energy or by forces.
+    pub mode: Mode,
     /// How folds are solved for.
     pub options: GrowthOptions,
+    /// How the paper's forces go about it, in the other mode.
+    pub reference: ReferenceOptions,
     /// Steps of growth at least, if the scene says so.
     pub steps: Option<usize>,
     /// Where folds are counted.
@@ -58,6 +66,7 @@ impl BuiltGrowth {
             coherence_m: self.coherence_m.clone(),
             bias: self.bias.clone(),
             stickiness: self.stickiness.clone(),
+            hold: self.hold.clone(),
             frozen: self.frozen.clone(),
             loads: built.loads.clone(),
             obstacles: &built.obstacles,
@@ -103,17 +112,35 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     };
     let (wavelength_m, coherence_m) = (map("wavelength_m", Some(&table.wavelength_m))?, map("coherence_m", table.coherence_m.as_ref())?);
     let (bias, stickiness) = (map("bias", table.bias.as_ref())?, map("stickiness", table.stickiness.as_ref())?);
+    let hold = table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| maps::map(scene, &laid, "growth.hold", hold))?;
     let (expansion, frozen) = (maps::expansion(scene, table, &laid)?, frozen(scene, table, &laid)?);
-    let windows = count::places(table, &laid)?;
+    let windows = count::places(scene, table, &laid)?;
     let mut options = GrowthOptions { young_pa: scene.material.young_pa, poisson: scene.material.poisson, ..GrowthOptions::default() };
     options.seed = table.seed.unwrap_or(options.seed);
     options.plasticity = table.plasticity.unwrap_or(options.plasticity);
     options.imperfection = table.imperfection.unwrap_or(options.imperfection);
     options.iteration_limit = table.iteration_limit.unwrap_or(options.iteration_limit);
+    let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
+    reference.levels = table.steps.unwrap_or(reference.levels);
+    reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
     let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
-    let grown = BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps: table.steps, windows };
+    let grown = BuiltGrowth {
+        built,
+        expansion,
+        wavelength_m,
+        coherence_m,
+        bias,
+        stickiness,
+        hold,
+        frozen,
+        mode: table.mode.unwrap_or_default(),
+        options,
+        reference,
+        steps: table.steps,
+        windows,
+    };
     grown.growing().check()?;
     Ok(grown)
 }
