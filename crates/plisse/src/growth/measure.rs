@@ -305,7 +305,7 @@ mod tests {
     fn relief(offset: impl Fn(f64, f64) -> f64) -> Relief {
         let size = [201, 101];
         let at = |k: usize| offset((k % size[0]) as f64 / 200.0, (k / size[0]) as f64 / 100.0);
-        Relief { size, spacing_m: [1.0 / 200.0, 1.0 / 100.0], offset_m: (0..size[0] * size[1]).map(at).collect() }
+        Relief { size, spacing_m: [1.0 / 200.0, 1.0 / 100.0], offset_m: (0..size[0] * size[1]).map(at).collect(), around: false }
     }
 
     #[test]
@@ -321,6 +321,23 @@ mod tests {
         let one = relief(|x, _| (TAU * 5.0 * x).sin()).folds().unwrap();
         assert!(doubled.width > 1.5 * one.width || (doubled.wavelength_m * 5.0 - 1.0).abs() > 0.15);
         assert_eq!(relief(|_, _| 0.0).folds(), None);
+    }
+
+    #[test]
+    fn around_a_ring_folds_are_whole() {
+        let chart = [Vec2::zeros(), Vec2::new(3.0, 0.0), Vec2::new(3.0, 1.0), Vec2::new(0.0, 1.0)];
+        let faces = [[0, 1, 2], [0, 2, 3]].map(|f: [usize; 3]| (f.map(|v| chart[v]), [0.0; 3]));
+        let window = Window { low: Vec2::zeros(), high: Vec2::new(3.0, 1.0) };
+        let mut ring = Relief::around(faces.into_iter(), &window, [120, 3]).unwrap();
+        assert!((ring.spacing_m[0] - 3.0 / 120.0).abs() < 1e-15 && ring.folds().is_none());
+        for waves in [2.0, 3.0, 11.0] {
+            ring.offset_m = (0..360).map(|k| (TAU * waves * (k % 120) as f64 / 120.0 + (k / 120) as f64).cos()).collect();
+            let folds = ring.folds().unwrap();
+            assert!((3.0 / folds.wavelength_m - waves).abs() < 1e-12 && (folds.width - 1.0 / waves).abs() < 1e-12, "{folds:?}");
+            // As a window with rims it is read less sharply.
+            let open = Relief { around: false, spacing_m: [3.0 / 119.0, 0.5], ..ring.clone() };
+            assert!(open.folds().unwrap().width > 1.3 * folds.width);
+        }
     }
 
     #[test]

@@ -180,7 +180,10 @@ fn unrolled(
     for (f, face) in faces.iter().enumerate() {
         let known: Vec<f64> = face.iter().filter_map(|&v| places[v].0).collect();
         let first = [known.first().copied().unwrap_or(0.0), places[face[0]].1];
-        let near = |x: f64, axis: usize| x + turns(x, first[axis], periods[axis]) * periods[axis];
+        let near = |x: f64, axis: usize| match turns(x, first[axis], periods[axis]) {
+            0.0 => x,
+            turn => x + turn * periods[axis],
+        };
         let middle = known.iter().map(|&x| near(x, 0)).sum::<f64>() / known.len().max(1) as f64;
         let whole = face.map(|v| [places[v].0.map_or(middle, |x| near(x, 0)), near(places[v].1, 1)]);
         // The face as a whole, its middle between 0 and one period.
