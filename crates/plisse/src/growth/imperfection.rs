@@ -24,9 +24,20 @@ const PASSES: usize = 2;
 /// # Errors
 /// [`Error::Numeric`] if the matrix is not positive definite, as on a mesh with very bad triangles.
 pub(super) fn band_limited(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64], seed: u64) -> Result<Vec<f64>> {
-    let n = area_m2.len();
-    let mut rough: Vec<f64> = (0..n).map(|v| roughness(&growing.places[v], LUMP * growing.wavelength_m[v], seed)).collect();
+    let lump = |v: usize| LUMP * growing.wavelength_m[v];
+    let mut rough: Vec<f64> = (0..area_m2.len()).map(|v| roughness(&growing.places[v], lump(v), seed)).collect();
     let before = size(&rough, area_m2);
+    take_long_waves(growing, surface, area_m2, &mut rough)?;
+    let after = size(&rough, area_m2);
+    if after > 0.0 {
+        rough.iter_mut().for_each(|w| *w *= before / after);
+    }
+    Ok(rough)
+}
+
+/// Takes what is longer than folds away from `rough` (`[V]`).
+fn take_long_waves(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64], rough: &mut [f64]) -> Result<()> {
+    let n = area_m2.len();
     let pattern = SymmetricPattern::from_elements(n, growing.topology.faces.iter().map(|face| &face[..]));
     let mut values = vec![0.0; pattern.entry_count()];
     for (face, rest) in growing.topology.faces.iter().zip(&surface.faces) {
@@ -50,11 +61,7 @@ pub(super) fn band_limited(growing: &Growing<'_>, surface: &RestMetric, area_m2:
         cholesky.solve(&mut long);
         rough.iter_mut().zip(&long).for_each(|(w, long)| *w -= long);
     }
-    let after = size(&rough, area_m2);
-    if after > 0.0 {
-        rough.iter_mut().for_each(|w| *w *= before / after);
-    }
-    Ok(rough)
+    Ok(())
 }
 
 /// Root of the mean square.
@@ -67,34 +74,34 @@ fn size(rough: &[f64], area_m2: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::growth::Expansion;
-    use crate::growth::measure::{Relief, Window};
     use crate::mesh::grid::{Diagonal, grid};
-    use crate::mesh::{Topology, Vec2, Vec3};
+    use crate::mesh::{Topology, Vec3};
 
-    /// Root of the power per area in waves longer than 2.5 folds, over that of all waves along x.
-    fn long_share(limited: bool) -> f64 {
-        let panel = grid("p", [2.0, 1.0], 0.02, [None, None], Diagonal::Rising).unwrap();
+    #[test]
+    fn waves_are_left_by_their_length() {
+        let panel = grid("p", [1.0, 0.2], 0.01, [None, None], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("p", start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape("p", &start, &topology.faces).unwrap();
-        let growing = Growing::new(&topology, &rest, &start, Expansion::none(&topology, &start).unwrap(), 0.16, 0.0);
+        let growing = Growing::new(&topology, &rest, &start, Expansion::none(&topology, &start).unwrap(), 0.2, 0.0);
         let mut area_m2 = vec![0.0; start.len()];
         for (face, rest) in topology.faces.iter().zip(&rest.faces) {
             face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
         }
-        let raw: Vec<f64> = start.iter().map(|p| roughness(p, LUMP * 0.16, 1)).collect();
-        let rough = if limited { band_limited(&growing, &rest, &area_m2, 1).unwrap() } else { raw.clone() };
-        assert!((size(&rough, &area_m2) / size(&raw, &area_m2) - 1.0).abs() < 1e-12);
-        let window = Window { low: Vec2::zeros(), high: Vec2::new(2.0, 1.0) };
-        let relief = Relief::new(&topology, &panel.positions, &rough, &window, [400, 81]).unwrap();
-        let (waves, power) = relief.spectrum();
-        let long: f64 = waves.iter().zip(&power).filter(|(wave, _)| **wave < 1.0 / (2.5 * 0.16)).map(|(_, p)| p).sum();
-        (long / power.iter().sum::<f64>()).sqrt()
-    }
-
-    #[test]
-    fn long_waves_are_gone() {
-        let (raw, limited) = (long_share(false), long_share(true));
-        assert!(limited < 0.5 * raw, "{limited} {raw}");
+        // Cosines are level at the rims, so they keep their shape: (r/(1 + r))² is left, r = (0.2 · waves)².
+        for waves in [0.0, 1.0, 2.0, 5.0, 10.0] {
+            let wave: Vec<f64> = start.iter().map(|p| (TAU * waves * p.x).cos()).collect();
+            let mut left = wave.clone();
+            take_long_waves(&growing, &rest, &area_m2, &mut left).unwrap();
+            let (r, whole) = ((0.2 * waves).powi(2), size(&wave, &area_m2));
+            let share = (r / (1.0 + r)).powi(2);
+            assert!((size(&left, &area_m2) / whole - share).abs() < 0.01 * share + 1e-9, "{waves}: {}", size(&left, &area_m2) / whole);
+        }
+        // Noise keeps its size.
+        let raw: Vec<f64> = start.iter().map(|p| roughness(p, LUMP * 0.2, 1)).collect();
+        let limited = band_limited(&growing, &rest, &area_m2, 1).unwrap();
+        assert!((size(&limited, &area_m2) / size(&raw, &area_m2) - 1.0).abs() < 1e-12);
+        let mean: f64 = limited.iter().zip(&area_m2).map(|(w, area)| w * area).sum::<f64>() / area_m2.iter().sum::<f64>();
+        assert!(mean.abs() < 0.01 * size(&limited, &area_m2), "{mean}");
     }
 }

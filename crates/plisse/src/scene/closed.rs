@@ -21,9 +21,6 @@ pub(super) fn check(place: &str, panel: &PanelTable) -> Result<()> {
             positive(&format!("{place}.{name}"), size)?;
         }
     }
-    if panel.sides.is_some() {
-        return Err(Error::value(format!("{place}.sides"), "a closed surface has no sides; remove this"));
-    }
     if panel.mesh != Pattern::Irregular {
         return Err(Error::value(format!("{place}.mesh"), "only rectangles can have rows and columns; remove this"));
     }
@@ -117,7 +114,7 @@ mod tests {
             (TORUS.replace("0.25", "1.25"), "", "panel[0].tube_radius_m: a tube of 1.25 m closes the hole"),
             (TORUS.replace("tube_radius_m = 0.25", ""), "", "panel[0].tube_radius_m: a torus needs this"),
             (format!("{SPHERE}\nmesh = \"rising\""), "", "panel[0].mesh: only rectangles"),
-            (format!("{SPHERE}\nsides = []"), "", "panel[0].sides: a closed surface has no sides"),
+            (format!("{SPHERE}\nsides = []"), "", "panel[0].sides: only a polygon's sides"),
             (format!("{SPHERE}\nplace = {{ kind = \"rolled\", radius_m = 1 }}"), "", "panel[0].place: a closed surface cannot be rolled"),
             (SPHERE.to_owned(), "[[clamp]]\nside = \"p.rim\"", "clamp[0].side: panel \"p\" is closed and has no sides; use near_m"),
             (SPHERE.to_owned(), "", "nothing holds the surface; add"),
