@@ -251,7 +251,10 @@ pub(crate) struct GrowArguments {
     /// Steps of growth at least [default: what the scene says, or as many as folds need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) steps: Option<u32>,
-    /// Also write the surface after each step
+    /// How folds are found [default: what the scene says, or variational]
+    #[arg(long, value_enum, value_name = "MODE")]
+    pub(crate) mode: Option<GrowthMode>,
+    /// Also write the surface after each step, as a mesh and as a picture (no pictures with --no-picture)
     #[arg(long)]
     pub(crate) frames: bool,
     /// Threads to use [default: one for each core]; the results do not depend on it
@@ -260,6 +263,15 @@ pub(crate) struct GrowArguments {
     /// Do not draw picture.png
     #[arg(long)]
     pub(crate) no_picture: bool,
+}
+
+/// How folds are found.
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum GrowthMode {
+    /// By the least energy of a film on a foundation
+    Variational,
+    /// By the forces of Combaz & Neyret 2002
+    Reference,
 }
 
 #[derive(Args)]

@@ -6,12 +6,11 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::Result;
 use plisse::field::curvature::vertex_normals;
 use plisse::growth::adapt::MeshStage;
-use plisse::growth::equilibrium::grow_each;
 use plisse::growth::measure::offsets_m;
-use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting};
+use plisse::growth::reference::{LevelReport, grow_by_forces_each};
+use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::newton::Ending;
@@ -19,16 +18,18 @@ use plisse::mesh::{Vec2, Vec3};
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::rest::RestMetric;
+use plisse::scene::growth::Mode;
 use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
+use plisse::{Error, Result};
 
 use crate::Done;
-use crate::arguments::GrowArguments;
-use crate::outputs::{self, CLOTH, CLOTH_SRGB, draw_panels_by, panel_texture};
+use crate::arguments::{GrowArguments, GrowthMode};
+use crate::outputs::{self, CLOTH, CLOTH_SRGB, Frame, draw_frames, draw_panels_by, panel_texture};
 use crate::progress::Bars;
 use crate::report::ending_name;
 use crate::road::{open_output_at, with_threads};
-use report::{Report, Seconds};
+use report::{Report, Seconds, StepSummary};
 
 /// Share of the growth that is missing from which on it is worth a note.
 const SHORT: f64 = 0.97;
@@ -52,69 +53,179 @@ impl Observer for Watched<'_> {
     }
 }
 
+/// How folding went, in either mode.
+pub(crate) struct Outcome {
+    mode: Mode,
+    pose: Vec<Vec3>,
+    asked: RestMetric,
+    steps: Vec<StepSummary>,
+    /// The meshes that followed the folds, one after the other.
+    meshes: Vec<MeshStage>,
+    cancelled: bool,
+    /// Largest force on a vertex at which the mode would have ended.
+    tolerance: f64,
+    /// The unit of that, and of what is left.
+    unit: &'static str,
+    residual_newton: Option<f64>,
+    seconds: f64,
+}
+
+impl Outcome {
+    /// How the last step ended; "converged" where there was none.
+    fn ending(&self) -> &'static str {
+        self.steps.last().map_or(ending_name(Ending::Converged), |step| step.ending)
+    }
+
+    fn residual(&self) -> f64 {
+        self.steps.last().map_or(0.0, |step| step.residual)
+    }
+
+    fn at_rest(&self) -> bool {
+        self.steps.last().is_none_or(|step| step.at_rest)
+    }
+}
+
+/// What is done with each pose that a step led to, and its faces.
+type Each<'a> = &'a mut dyn FnMut(&[Vec3], &[[usize; 3]]) -> Result<()>;
+
+/// Folds; also the scene on the mesh that followed its folds, if it did.
+fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, each: Each<'_>) -> Result<(Option<BuiltGrowth>, Outcome)> {
+    let (growing, faces) = (grown.growing(), &grown.built.topology.faces);
+    if mode == Mode::Reference {
+        if grown.options.plasticity > 0.0 {
+            return Err(Error::value("growth.plasticity", "the reference mode forgets no stress; remove this, or use the other mode"));
+        }
+        if grown.adapt.is_some() {
+            return Err(Error::value("growth.remesh", "the reference mode keeps its mesh; remove this, or use the other mode"));
+        }
+        let (pose, found) = grow_by_forces_each(&growing, &grown.reference, watched, &mut |_, pose| each(pose, faces))?;
+        let last = found.levels.len();
+        let ending = |n: usize, converged: bool| match converged {
+            true => ending_name(Ending::Converged),
+            false if found.cancelled && n + 1 == last => ending_name(Ending::Cancelled),
+            false => ending_name(Ending::IterationLimit),
+        };
+        let summary = |(n, level): (usize, &LevelReport)| StepSummary {
+            part: level.part,
+            iterations: level.iterations,
+            ending: ending(n, level.converged),
+            residual: level.residual,
+            energy_joule: None,
+            at_rest: level.converged,
+        };
+        let steps = found.levels.iter().enumerate().map(summary).collect();
+        let unit = "of the folding force k_p on a vertex";
+        let (cancelled, tolerance, asked, seconds) = (found.cancelled, grown.reference.tolerance, found.asked, found.seconds);
+        let meshes = Vec::new();
+        return Ok((None, Outcome { mode, pose, asked, steps, meshes, cancelled, tolerance, unit, residual_newton: None, seconds }));
+    }
+    let (on, pose, found, meshes) = match &grown.adapt {
+        Some(adapt) => follow(grown, adapt, parts, watched, each)?,
+        None => {
+            let (pose, found) = grow_each(&growing, parts, growing.start, &grown.options, watched, &mut |_, pose| each(pose, faces))?;
+            (None, pose, found, Vec::new())
+        }
+    };
+    let summary = |step: &StepReport| StepSummary {
+        part: step.part,
+        iterations: step.iterations,
+        ending: ending_name(step.ending),
+        residual: step.residual,
+        energy_joule: Some(step.energy_joule),
+        at_rest: step.ending == Ending::Converged || step.residual <= grown.options.tolerance,
+    };
+    let last = found.steps.last();
+    let outcome = Outcome {
+        mode,
+        pose,
+        asked: found.asked,
+        steps: found.steps.iter().map(summary).collect(),
+        cancelled: last.is_some_and(|step| step.ending == Ending::Cancelled),
+        tolerance: grown.options.tolerance,
+        unit: "of the force that starts folds on an edge",
+        residual_newton: Some(last.map_or(0.0, |step| step.residual_newton)),
+        seconds: found.seconds,
+        meshes,
+    };
+    Ok((on, outcome))
+}
+
+/// Grows on a mesh that follows the folds: the scene on it, the pose (`[V]`, m), how it grew, and the meshes.
+fn follow(
+    grown: &BuiltGrowth,
+    adapt: &AdaptOptions,
+    parts: &[f64],
+    watched: &Watched<'_>,
+    each: Each<'_>,
+) -> Result<(Option<BuiltGrowth>, Vec<Vec3>, GrowthReport, Vec<MeshStage>)> {
+    let mut each = |_: &StepReport, surface: &Surface<'_>| each(&surface.pose, &surface.topology.faces);
+    let (surface, report) = grow_adapting(&grown.growing(), grown.chart(), parts, &grown.options, adapt, watched, &mut each)?;
+    let (on, pose, asked) = grown.on(surface)?;
+    Ok((Some(on), pose, GrowthReport { asked, ..report.growth }, report.meshes))
+}
+
 pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
-    let grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
-    let parts = grown.parts(arguments.steps.map(|steps| steps as usize));
+    let mut grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
+    let mode = match arguments.mode {
+        Some(GrowthMode::Variational) => Mode::Variational,
+        Some(GrowthMode::Reference) => Mode::Reference,
+        None => grown.mode,
+    };
+    let steps = arguments.steps.map(|steps| steps as usize);
+    let parts = grown.parts(steps);
+    grown.reference.levels = steps.unwrap_or(grown.reference.levels);
+    let count = if mode == Mode::Reference { grown.reference.levels } else { parts.len() };
     let mut folder = open_output_at(arguments.output.as_deref(), &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.threads, || {
         let setup_seconds = begun.elapsed().as_secs_f64();
-        let watched = Watched { bar: bars.counter("grow", parts.len()), interrupted };
-        let mut frames = 0;
-        let (grown, followed) = match grown.adapt.clone() {
-            Some(adapt) => {
-                let frames = arguments.frames.then_some((&mut folder, &mut frames));
-                let (on, followed) = follow(&grown, &adapt, &parts, &watched, frames)?;
-                (on, Some(followed))
+        let watched = Watched { bar: bars.counter("grow", count), interrupted };
+        let texture = texture_of(&grown);
+        let mut frames: Vec<Frame> = Vec::new();
+        let mut frame = |pose: &[Vec3], faces: &[[usize; 3]]| {
+            if arguments.frames {
+                // Another mesh has no texture coordinates yet.
+                let texture = texture.as_ref().filter(|_| faces == grown.built.topology.faces);
+                let texture = texture.map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+                folder.write(&format!("frame-{:04}.obj", frames.len()), |out| obj::write(out, pose, faces, texture))?;
+                frames.push((pose.to_vec(), faces.to_vec()));
             }
-            None => (grown, None),
+            Ok(())
         };
-        let texture = grown.built.texture.clone().or_else(|| panel_texture(&grown.built.rest_positions, &grown.built.rest_faces));
-        let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
-        let faces = &grown.built.topology.faces;
-        let (growing, start) = (grown.growing(), &grown.built.start);
-        let mut frame = |folder: &mut OutputFolder, pose: &[Vec3]| {
-            frames += 1;
-            folder.write(&format!("frame-{:04}.obj", frames - 1), |out| obj::write(out, pose, faces, texture))
-        };
-        if arguments.frames && followed.is_none() {
-            frame(&mut folder, start)?;
-        }
-        let mut each = |_: &StepReport, pose: &[Vec3]| {
+        frame(&grown.built.start, &grown.built.topology.faces)?;
+        let mut each = |pose: &[Vec3], faces: &[[usize; 3]]| {
             watched.bar.inc(1);
-            if arguments.frames { frame(&mut folder, pose) } else { Ok(()) }
+            frame(pose, faces)
         };
-        let (pose, found, meshes) = match followed {
-            Some(followed) => followed,
-            None => {
-                let (pose, found) = grow_each(&growing, &parts, start, &grown.options, &watched, &mut each)?;
-                (pose, found, Vec::new())
-            }
-        };
+        let (on, found) = fold(&grown, mode, &parts, &watched, &mut each)?;
         watched.bar.finish_and_clear();
+        let grown = on.as_ref().unwrap_or(&grown);
         let measured = Instant::now();
-        let counted = grown.count(&pose, &found.asked)?;
-        let reached = grown.reached(&pose, &found.asked);
-        let mut report = Report::new(&grown, &pose, &found, reached, counted);
-        report.frames = frames;
-        report.meshes = meshes.iter().map(report::MeshSummary::new).collect();
+        let counted = grown.count(&found.pose, &found.asked)?;
+        let reached = grown.reached(&found.pose, &found.asked);
+        let mut report = Report::new(grown, &found, reached, counted);
+        report.frames = frames.len();
         report.seconds =
             Seconds { setup: setup_seconds, grow: found.seconds, measure: measured.elapsed().as_secs_f64(), ..Seconds::default() };
-        report.notes = notes(&grown, &report, &found, parts.len(), interrupted);
-        leave_out_other_frames(&mut folder, arguments, frames);
+        report.notes = notes(grown, &report, &found, count, interrupted);
+        leave_out_other_frames(&mut folder, arguments, frames.len());
 
         if arguments.no_picture {
             folder.leave_out("picture.png");
         } else {
             let (spinner, drawn) = (bars.spinner("picture"), Instant::now());
-            let picture = picture(&grown, &found.asked, &pose)?;
+            let picture = picture(grown, &found.asked, &found.pose)?;
             folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
+            let images = draw_frames(&frames, &camera(&grown.built.start, &found.pose), &grown.built.obstacles);
+            for (n, image) in images.iter().enumerate() {
+                folder.write(&format!("frame-{n:04}.png"), |out| plisse::picture::write_png(image, out))?;
+            }
             report.seconds.picture = drawn.elapsed().as_secs_f64();
             drop(spinner);
         }
         let (spinner, written) = (bars.spinner("files"), Instant::now());
-        write_meshes(&mut folder, &pose, faces, texture, &grown)?;
+        write_meshes(&mut folder, grown, &found.pose)?;
         report.seconds.files = written.elapsed().as_secs_f64();
         report.seconds.total = begun.elapsed().as_secs_f64();
         let table = report.table();
@@ -124,51 +235,27 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
     })
 }
 
-/// Grows on a mesh that follows the folds: the scene on it, the pose (`[V]`, m), how it grew, and the meshes. Frames have no texture
-/// coordinates, because each may have another mesh.
-fn follow(
-    grown: &BuiltGrowth,
-    adapt: &AdaptOptions,
-    parts: &[f64],
-    watched: &Watched<'_>,
-    mut frames: Option<(&mut OutputFolder, &mut usize)>,
-) -> Result<(BuiltGrowth, (Vec<Vec3>, GrowthReport, Vec<MeshStage>))> {
-    let mut frame = |pose: &[Vec3], faces: &[[usize; 3]]| {
-        let Some((folder, count)) = &mut frames else { return Ok(()) };
-        **count += 1;
-        folder.write(&format!("frame-{:04}.obj", **count - 1), |out| obj::write(out, pose, faces, None))
-    };
-    frame(&grown.built.start, &grown.built.topology.faces)?;
-    let mut each = |_: &StepReport, surface: &Surface<'_>| {
-        watched.bar.inc(1);
-        frame(&surface.pose, &surface.topology.faces)
-    };
-    let (surface, report) = grow_adapting(&grown.growing(), grown.chart(), parts, &grown.options, adapt, watched, &mut each)?;
-    let (on, pose, asked) = grown.on(surface)?;
-    Ok((on, (pose, GrowthReport { asked, ..report.growth }, report.meshes)))
+/// Texture coordinates and those of each face's corners: the scene's, or its panels side by side.
+fn texture_of(grown: &BuiltGrowth) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
+    grown.built.texture.clone().or_else(|| panel_texture(&grown.built.rest_positions, &grown.built.rest_faces))
 }
 
 /// What the user should know about what has grown.
-fn notes(
-    grown: &BuiltGrowth,
-    report: &Report,
-    found: &plisse::growth::GrowthReport,
-    steps: usize,
-    interrupted: &AtomicBool,
-) -> Vec<String> {
+fn notes(grown: &BuiltGrowth, report: &Report, found: &Outcome, steps: usize, interrupted: &AtomicBool) -> Vec<String> {
     let mut notes = grown.built.notes.clone();
-    let last = found.steps.last();
-    if last.is_some_and(|step| step.ending == Ending::Cancelled) {
-        let part = last.map_or(0.0, |step| 100.0 * step.part);
+    if found.cancelled {
+        let part = found.steps.last().map_or(0.0, |step| 100.0 * step.part);
         let message =
             format!("interrupted in step {} of {steps}: {part:.0} % of the growth was asked for so far, not all of it", found.steps.len());
         notes.push(message);
     } else if interrupted.load(Ordering::SeqCst) {
         notes.push("interrupted after growth had ended by itself; nothing is missing".to_owned());
-    } else if last.is_some_and(|step| step.ending == Ending::IterationLimit) {
-        let residual = last.map_or(0.0, |step| step.residual);
-        let mend = if grown.adapt.is_some() { "growth.remesh.finish_iterations" } else { "growth.iteration_limit or take more steps" };
-        notes.push(format!("the iteration limit came first with a residual of {residual:.1e}; this is no equilibrium, raise {mend}"));
+    } else if !found.at_rest() {
+        let (ending, residual, tolerance) = (found.ending(), found.residual(), found.tolerance);
+        let mend = if found.meshes.is_empty() { "growth.iteration_limit or take more steps" } else { "growth.remesh.finish_iterations" };
+        notes.push(format!(
+            "it ended ({ending}) with a residual of {residual:.1e}, above {tolerance:.0e}; this is no equilibrium, raise {mend}"
+        ));
     } else if let Some(length) = report.length_reached.filter(|&length| length < SHORT) {
         notes.push(format!("{:.0} % of the asked length was reached; what is frozen, sticks or weighs may hold the rest", 100.0 * length));
     }
@@ -180,8 +267,10 @@ fn leave_out_other_frames(folder: &mut OutputFolder, arguments: &GrowArguments, 
     let path = folder_path(arguments);
     for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let number = name.strip_prefix("frame-").and_then(|n| n.strip_suffix(".obj")).and_then(|n| n.parse::<usize>().ok());
-        if number.is_some_and(|n| n >= frames) {
+        let rest = name.strip_prefix("frame-").unwrap_or_default();
+        let number = |ending: &str| rest.strip_suffix(ending).and_then(|n| n.parse::<usize>().ok());
+        let drawn = if arguments.no_picture { 0 } else { frames };
+        if number(".obj").is_some_and(|n| n >= frames) || number(".png").is_some_and(|n| n >= drawn) {
             folder.leave_out(&name);
         }
     }
@@ -192,13 +281,9 @@ fn folder_path(arguments: &GrowArguments) -> std::path::PathBuf {
     arguments.output.clone().unwrap_or_else(|| Path::new("out").join(stem))
 }
 
-fn write_meshes(
-    folder: &mut OutputFolder,
-    pose: &[Vec3],
-    faces: &[[usize; 3]],
-    texture: Option<(&[Vec2], &[[usize; 3]])>,
-    grown: &BuiltGrowth,
-) -> Result<()> {
+fn write_meshes(folder: &mut OutputFolder, grown: &BuiltGrowth, pose: &[Vec3]) -> Result<()> {
+    let (texture, faces) = (texture_of(grown), &grown.built.topology.faces);
+    let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
     folder.write("folded.obj", |out| obj::write(out, pose, faces, texture))?;
     let normals = vertex_normals(&grown.built.topology, pose);
     let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
@@ -246,9 +331,4 @@ fn camera(start: &[Vec3], pose: &[Vec3]) -> Camera {
     let (low, high) = start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = high - low;
     if size.z < LYING * size.x.min(size.y) { Camera::fit(pose, Axis::Z, 20.0, 45.0) } else { Camera::automatic(pose, Axis::Z) }
-}
-
-/// How the last step ended; "converged" where there was none.
-fn ending(found: &plisse::growth::GrowthReport) -> &'static str {
-    ending_name(found.steps.last().map_or(Ending::Converged, |step| step.ending))
 }

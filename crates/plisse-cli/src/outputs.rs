@@ -23,6 +23,8 @@ pub(crate) const BASE_SRGB: [u8; 3] = [206, 212, 220];
 
 /// Size of picture.png (pixels).
 const PICTURE_SIZE: (usize, usize) = (1600, 1200);
+/// Size of the pictures of frames (pixels).
+const FRAME_SIZE: (usize, usize) = (800, 600);
 
 /// Writes `value` as `name`, a JSON file.
 pub(crate) fn write_json(folder: &mut OutputFolder, name: &str, value: &impl Serialize) -> Result<()> {
@@ -125,6 +127,18 @@ pub(crate) fn draw_panels_at(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obs
     };
     let bodies = bodies_around(pose, obstacles);
     draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), size)
+}
+
+/// A pose (`[V]`, m) and its faces.
+pub(crate) type Frame = (Vec<Vec3>, Vec<[usize; 3]>);
+
+/// Pictures of one surface in several poses among the scene's bodies, 800 × 600 pixels each.
+pub(crate) fn draw_frames(frames: &[Frame], camera: &Camera, obstacles: &[Obstacle]) -> Vec<Image> {
+    let Some((last, _)) = frames.last() else { return Vec::new() };
+    let bodies = bodies_around(last, obstacles);
+    let poses: Vec<Subject<'_>> = frames.iter().map(|(positions, faces)| Subject { positions, faces }).collect();
+    let paint = Paint::Plain { colour: CLOTH_SRGB, wireframe: false };
+    plisse::picture::draw_frames(&poses, paint, Subject { positions: &bodies.0, faces: &bodies.1 }, camera, FRAME_SIZE)
 }
 
 /// As [`draw_panels`], seen by this camera.

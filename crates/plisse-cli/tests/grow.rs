@@ -150,6 +150,27 @@ fn what_cannot_grow_is_refused_in_one_sentence() {
         ("factor = 1.2", "factor = { kind = \"image\", file = \"gone.png\", low = 1, high = 2 }", &["factor.file", "gone.png", ";"]),
         ("factor = 1.2", "factor = 1.2\nwind = 1", &["scene.toml, line", "no field wind", "; correct"]),
         ("factor = 1.2", "factor = 0", &["growth.expansion[0]", "; give"]),
+        ("wavelength_m = 0.3333", "wavelength_m = 0.3333\nhold = -1", &["growth.hold", "-1 at vertex 0", "; give"]),
+        ("wavelength_m = 0.3333", "wavelength_m = 0.3333\nmode = \"fast\"", &["growth.mode", "variational, reference"]),
+        (
+            "wavelength_m = 0.3333",
+            "wavelength_m = 0.3333\nmode = \"reference\"\nstickiness = 1",
+            &["growth.mode", "no loads, sticking or obstacles", "; remove"],
+        ),
+        ("wavelength_m = 0.3333", "wavelength_m = 0.3333\nmode = \"reference\"\nhold = 0.5", &["growth.hold", "no foundation", "; remove"]),
+        (
+            "factor = 1.2",
+            "factor = { kind = \"attribute\", name = \"red\", low = 1, high = 2 }",
+            &["growth.expansion[0].factor.name", "vertices have none", "; start from"],
+        ),
+        ("factor = 1.2", "factor = { kind = \"attribute\", low = 1, high = 2 }", &["factor.name", "this is missing; the kind"]),
+        (
+            "direction = [1.0, 0.0, 0.0]",
+            "direction = { kind = \"attribute\" }",
+            &["growth.expansion[0].direction", "needs names", "; give the three"],
+        ),
+        ("direction = [1.0, 0.0, 0.0]", "direction = { kind = \"around\" }", &["growth.expansion[0].direction", "needs an axis", "; give"]),
+        ("shape = \"rectangle\"", "shape = \"torus\"", &["panel[0].width_m: a torus has no such field; remove it"]),
     ] {
         assert_eq!(SCENE.matches(from).count(), 1, "{from}");
         let scene = folder.write("scene.toml", SCENE.replace(from, to));
@@ -187,6 +208,86 @@ fn meshes_without_texture_or_manifold_are_refused() {
     assert_refused(&grow(&file, &out, &[]), &out, &["a.obj", ";"]);
 }
 
+/// A square of two by two cells with a painted value on each vertex, as PLY text.
+const PAINTED: &str = "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\n\
+    property float grow\nproperty float dx\nproperty float dy\nelement face 8\nproperty list uchar int vertex_indices\nend_header\n\
+    0 0 0 255 1.1 1 0\n1 0 0 255 1.1 1 0\n2 0 0 255 1.1 1 0\n0 1 0 0 1 1 0\n1 1 0 0 1 1 0\n2 1 0 0 1 1 0\n0 2 0 0 1 1 0\n1 2 0 0 1 1 0\n\
+    2 2 0 0 1 1 0\n3 0 1 4\n3 0 4 3\n3 1 2 5\n3 1 5 4\n3 3 4 7\n3 3 7 6\n3 4 5 8\n3 4 8 7\n";
+
+#[test]
+fn painted_meshes_grow_as_painted() {
+    let folder = Folder::new("grow-painted");
+    let out = folder.0.join("out");
+    folder.write("a.ply", PAINTED);
+    let scene = |factor: &str, direction: &str| {
+        let text = format!(
+            "title = \"painted\"\nmaterial = {{ young_pa = 1e5, poisson = 0, thickness_m = 1e-3 }}\nmesh = {{ start = \"a.ply\" }}\n\
+             [growth]\nwavelength_m = 9\n[[growth.expansion]]\nfactor = {factor}\ndirection = {direction}\n"
+        );
+        folder.write("scene.toml", text)
+    };
+    let fixed = "[1, 0, 0]";
+    let area = |report: &Value| report["area_asked_m2"].as_f64().unwrap();
+    // The lowest row of vertices is grown by a tenth; the third between is linear.
+    let red = grown(&scene("{ kind = \"attribute\", name = \"red\", low = 1, high = 1.1 }", fixed), &out, &["--no-picture"]);
+    assert!((4.05..4.15).contains(&area(&red)), "{}", area(&red));
+    // The same number under another name, along attributes; low and high are values at 0 and 1.
+    let names = "{ kind = \"attribute\", names = [\"dx\", \"dy\", \"dy\"] }";
+    let same = grown(&scene("{ kind = \"attribute\", name = \"grow\", low = 0, high = 1 }", names), &out, &["--no-picture"]);
+    assert!((area(&same) - area(&red)).abs() < 1e-6, "{} {}", area(&same), area(&red));
+    std::fs::remove_dir_all(&out).unwrap();
+    let missing = scene("{ kind = \"attribute\", name = \"blue\", low = 1, high = 2 }", fixed);
+    assert_refused(&grow(&missing, &out, &[]), &out, &["factor.name", "no attribute \"blue\"", "; it has red, grow, dx, dy"]);
+    let missing = scene("1.1", "{ kind = \"attribute\", names = [\"dx\", \"dy\", \"dz\"] }");
+    assert_refused(&grow(&missing, &out, &[]), &out, &["direction.names", "no attribute \"dz\"", "; it has"]);
+    let image = scene("{ kind = \"image\", file = \"none.png\", low = 1, high = 2 }", fixed);
+    assert_refused(&grow(&image, &out, &[]), &out, &["factor.file", "none.png", ";"]);
+    folder.write("a.ply", PAINTED.replace("3 4 8 7", "3 1 4 8"));
+    assert_refused(&grow(&scene("1.1", fixed), &out, &[]), &out, &["a.ply", ";"]);
+    folder.write("a.ply", "plop");
+    assert_refused(&grow(&scene("1.1", fixed), &out, &[]), &out, &["a.ply", "no PLY file", "; give"]);
+    let panel = scene("1.1", fixed);
+    let text = std::fs::read_to_string(&panel).unwrap().replace("mesh = { start = \"a.ply\" }", "mesh = { metres_per_unit = 1 }");
+    assert_refused(&grow(&folder.write("scene.toml", text), &out, &[]), &out, &["mesh: this names no file", "; give start"]);
+}
+
+#[test]
+fn a_torus_grows_and_keeps_its_texture() {
+    let folder = Folder::new("grow-torus");
+    let scene = folder.write(
+        "scene.toml",
+        "title = \"ring\"\nmaterial = { young_pa = 1e5, poisson = 0, thickness_m = 1e-3 }\n[[panel]]\nname = \"t\"\nshape = \"torus\"\nradius_m = 1\n\
+         tube_radius_m = 0.3\nedge_length_m = 0.2\n[growth]\nwavelength_m = 1.0472\ncoherence_m = 2\n\
+         expansion = [{ factor = 1.15, direction = { kind = \"around\", axis = [0, 0, 1] } }]\ncount = [{ name = \"around\", panel = \"t\" }]\n",
+    );
+    let out = folder.0.join("out");
+    let report = grown(&scene, &out, &["--frames"]);
+    assert_eq!((report["converged"].as_bool(), report["mode"].as_str()), (Some(true), Some("variational")));
+    let folds = report["folds"][0]["folds"].as_f64().unwrap();
+    assert!(folds.fract() == 0.0 && folds >= 1.0, "{folds}");
+    assert!(report["length_reached"].as_f64().unwrap() > 0.97, "{}", report["length_reached"]);
+    assert!(std::fs::read_to_string(out.join("folded.obj")).unwrap().contains("\nvt "));
+    // Each frame has its picture, all as large; a later run takes those away that it does not make.
+    let frames = report["frames"].as_u64().unwrap() as usize;
+    assert!(frames > 2 && names(&out).len() == 2 * frames + 4, "{:?}", names(&out));
+    assert_eq!(&std::fs::read(out.join(format!("frame-{:04}.png", frames - 1))).unwrap()[1..4], b"PNG");
+    grown(&scene, &out, &["--frames", "--no-picture"]);
+    assert_eq!(names(&out).iter().filter(|name| name.ends_with(".png")).count(), 0);
+}
+
+#[test]
+fn the_reference_mode_tells_what_it_reached() {
+    let folder = Folder::new("grow-reference");
+    let scene = folder.write("scene.toml", SCENE.replace("wavelength_m = 0.3333", "wavelength_m = 0.3333\niteration_limit = 20"));
+    let out = folder.0.join("out");
+    let report = grown(&scene, &out, &["--no-picture", "--mode", "reference", "--steps", "2"]);
+    assert_eq!((report["mode"].as_str(), report["converged"].as_bool()), (Some("reference"), Some(false)));
+    assert_eq!(report["steps"].as_array().unwrap().len(), 2);
+    assert!(report["residual"].as_f64().unwrap() > report["tolerance"].as_f64().unwrap());
+    assert!(report["residual_unit"].as_str().unwrap().contains("k_p") && report["residual_newton"].is_null());
+    assert!(report["notes"].to_string().contains("this is no equilibrium"), "{}", report["notes"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_keeps_what_has_grown() {
@@ -219,7 +320,9 @@ fn ctrl_c_keeps_what_has_grown() {
 fn help_shows_an_example() {
     let output = plisse().args(["grow", "--help"]).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
-    for needle in ["Example:", "plisse grow examples/20-small-folds.toml", "(m)", "--steps", "--frames", "Ctrl-C", "docs/scene-format.md"] {
+    for needle in
+        ["Example:", "plisse grow examples/20-small-folds.toml", "(m)", "--steps", "--frames", "--mode", "Ctrl-C", "docs/scene-format.md"]
+    {
         assert!(text.contains(needle), "'{needle}' is not in: {text}");
     }
 }

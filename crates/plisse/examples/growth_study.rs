@@ -81,12 +81,13 @@ fn main() -> Outcome<()> {
             }
         }
         Some("coherence") => {
-            println!("imperfection | Λ/λ | {heading}");
-            let square = Square::new(40, 30)?;
-            for imperfection in [0.2, 0.05] {
-                for coherence in [0.0, 1.0, 2.0, 4.0] {
-                    let options = GrowthOptions { imperfection, ..options.clone() };
-                    println!("{imperfection} | {coherence} | {}", fold(&square, 1.1, 8.0, coherence, &options)?.0);
+            println!("growth | imperfection | Λ/λ | {heading}");
+            for (growth, square) in [(1.1, Square::new(40, 30)?), (1.2, Square::new(48, 36)?)] {
+                for imperfection in [0.05, 0.2] {
+                    for coherence in [0.0, 1.0, 2.0, 4.0] {
+                        let options = GrowthOptions { imperfection, ..options.clone() };
+                        println!("{growth} | {imperfection} | {coherence} | {}", fold(&square, growth, 8.0, coherence, &options)?.0);
+                    }
                 }
             }
         }

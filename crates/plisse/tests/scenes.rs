@@ -21,12 +21,18 @@ const SCENES: [(&str, usize, usize); 11] = [
 ];
 
 /// Scenes that grow, and their vertices.
-const GROWING: [(&str, usize); 5] = [
+const GROWING: [(&str, usize); 11] = [
     ("20-small-folds.toml", 2481),
     ("21-large-folds.toml", 1525),
     ("22-gathers.toml", 2201),
     ("23-rings.toml", 3272),
     ("24-drape.toml", 2100),
+    ("25-bolt.toml", 2584),
+    ("26-scrunchy.toml", 4488),
+    ("27-banded-scrunchy.toml", 2550),
+    ("28-brain.toml", 2562),
+    ("29-blisters.toml", 2323),
+    ("30-growing-squares.toml", 2664),
 ];
 
 fn examples() -> PathBuf {

@@ -1,13 +1,15 @@
 //! report.json of `plisse grow` and its short table on the terminal: the same figures.
 
-use plisse::growth::GrowthReport;
 use plisse::growth::adapt::MeshStage;
 use plisse::growth::measure::Reached;
 use plisse::mesh::Vec3;
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::scene::BuiltGrowth;
 use plisse::scene::growth::Counted;
+use plisse::scene::growth::Mode;
 use serde::Serialize;
+
+use super::Outcome;
 
 /// What a run found. Field names carry the units.
 #[derive(Serialize)]
@@ -16,6 +18,8 @@ pub(super) struct Report {
     pub(super) title: String,
     /// What the scene says was published about it.
     pub(super) paper: Option<String>,
+    /// "variational" or "reference".
+    pub(super) mode: &'static str,
     pub(super) vertices: usize,
     pub(super) faces: usize,
     /// Vertices that are frozen along some axis.
@@ -28,9 +32,14 @@ pub(super) struct Report {
     pub(super) steps: Vec<StepSummary>,
     /// How the last step ended.
     pub(super) ending: &'static str,
-    /// Largest force that is left on a vertex, in units of the force that starts folds on an edge.
+    /// Whether the residual is within the tolerance.
+    pub(super) converged: bool,
+    /// Largest force that is left on a vertex.
     pub(super) residual: f64,
-    pub(super) residual_newton: f64,
+    /// In what residual and tolerance are measured.
+    pub(super) residual_unit: &'static str,
+    /// The same force (N); none in the reference mode, whose forces have no unit.
+    pub(super) residual_newton: Option<f64>,
     pub(super) tolerance: f64,
     pub(super) offset_min_m: f64,
     pub(super) offset_max_m: f64,
@@ -44,14 +53,17 @@ pub(super) struct Report {
     pub(super) seconds: Seconds,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct StepSummary {
     /// Part of the growth (0 to 1).
     pub(super) part: f64,
     pub(super) iterations: usize,
     pub(super) ending: &'static str,
     pub(super) residual: f64,
-    pub(super) energy_joule: f64,
+    /// None in the reference mode, whose forces have no energy.
+    pub(super) energy_joule: Option<f64>,
+    #[serde(skip)]
+    pub(super) at_rest: bool,
 }
 
 #[derive(Serialize)]
@@ -96,18 +108,21 @@ pub(super) struct Seconds {
 }
 
 impl Report {
-    pub(super) fn new(grown: &BuiltGrowth, pose: &[Vec3], found: &GrowthReport, reached: Option<Reached>, folds: Vec<Counted>) -> Self {
-        let built = &grown.built;
+    pub(super) fn new(grown: &BuiltGrowth, found: &Outcome, reached: Option<Reached>, folds: Vec<Counted>) -> Self {
+        let (built, pose) = (&grown.built, &found.pose);
         let area = |positions: &[Vec3]| -> f64 {
             let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
             built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
         };
         let offsets = plisse::growth::measure::offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
-        let last = found.steps.last();
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: built.title.clone(),
             paper: Some(built.paper.clone()).filter(|paper| !paper.is_empty()),
+            mode: match found.mode {
+                Mode::Variational => "variational",
+                Mode::Reference => "reference",
+            },
             vertices: built.topology.vertex_count,
             faces: built.topology.face_count(),
             frozen_vertices: grown.frozen.iter().filter(|axes| axes.contains(&true)).count(),
@@ -115,26 +130,18 @@ impl Report {
             area_asked_m2: found.asked.area_m2(),
             area_m2: area(pose),
             length_reached: reached.map(|r| r.length),
-            steps: found
-                .steps
-                .iter()
-                .map(|step| StepSummary {
-                    part: step.part,
-                    iterations: step.iterations,
-                    ending: crate::report::ending_name(step.ending),
-                    residual: step.residual,
-                    energy_joule: step.energy_joule,
-                })
-                .collect(),
-            ending: super::ending(found),
-            residual: last.map_or(0.0, |step| step.residual),
-            residual_newton: last.map_or(0.0, |step| step.residual_newton),
-            tolerance: grown.options.tolerance,
+            steps: found.steps.clone(),
+            ending: found.ending(),
+            converged: found.at_rest(),
+            residual: found.residual(),
+            residual_unit: found.unit,
+            residual_newton: found.residual_newton,
+            tolerance: found.tolerance,
             offset_min_m: offsets.iter().copied().fold(0.0, f64::min),
             offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
             self_intersecting_pairs: crossing_pairs(&built.topology.faces, pose).len(),
             folds,
-            meshes: Vec::new(),
+            meshes: found.meshes.iter().map(MeshSummary::new).collect(),
             frames: 0,
             notes: Vec::new(),
             seconds: Seconds::default(),
@@ -151,7 +158,8 @@ impl Report {
         row("mesh", format!("{} vertices, {} faces, {} vertices frozen", self.vertices, self.faces, self.frozen_vertices));
         let iterations: usize = self.steps.iter().map(|step| step.iterations).sum();
         let residual = self.residual;
-        row("growth", format!("{} steps, {iterations} iterations, {}, residual {residual:.1e}", self.steps.len(), self.ending));
+        let (mode, steps, ending) = (self.mode, self.steps.len(), self.ending);
+        row("growth", format!("{mode}, {steps} steps, {iterations} iterations, {ending}, residual {residual:.1e}"));
         if let [first, .., last] = &self.meshes[..] {
             let most = self.meshes.iter().map(|mesh| mesh.vertices).max().unwrap_or(0);
             row(

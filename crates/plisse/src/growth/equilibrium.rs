@@ -16,7 +16,8 @@ use super::bands::{Banded, check_bands};
 use super::expansion::{Expansion, scale_edges, vertex_normals};
 use super::film::{CrestTension, Film, Foundation};
 use super::fold_angle::softening;
-use super::procedure::roughness;
+use super::imperfection::band_limited;
+use super::loose;
 use super::self_contact::SelfContact;
 use crate::linalg::newton::{Convexity, Ending, Options, minimise};
 use crate::material::Material;
@@ -32,8 +33,6 @@ use crate::{Error, Result};
 const LEAST_EDGES: f64 = 3.5;
 /// Growth (logarithm) at which imperfections have their full size.
 const FULL_IMPERFECTION: f64 = 0.02;
-/// Size of the imperfections' lumps, in wavelengths.
-const LUMP: f64 = 0.5;
 /// Factor between the first levels of growth.
 const LEVELS: f64 = 1.35;
 /// How much more force than at the end may be left after a step that others follow, and how many iterations it may take.
@@ -64,6 +63,8 @@ pub struct Growing<'a> {
     pub bias: Vec<f64>,
     /// `[V]` how much harder than out the surface goes in (no unit): 0 for folds both ways, 100 for what sticks to a hard ground.
     pub stickiness: Vec<f64>,
+    /// `[V]` how much of the foundation there is (no unit): 1 as λ asks, 0 for a surface that nothing holds to its start.
+    pub hold: Vec<f64>,
     /// `[V]` axes along which each vertex is frozen.
     pub frozen: Vec<[bool; 3]>,
     /// Sets of vertices that move as one.
@@ -99,6 +100,7 @@ impl<'a> Growing<'a> {
             coherence_m: vec![coherence_m; n],
             bias: vec![0.0; n],
             stickiness: vec![0.0; n],
+            hold: vec![1.0; n],
             frozen: vec![[false; 3]; n],
             bands: Vec::new(),
             loads: Loads::default(),
@@ -182,6 +184,7 @@ impl<'a> Growing<'a> {
         map("bias", &self.bias, |x| x.is_finite() && x.abs() <= 1.0, "give a share of the wavelength from -1 to 1")?;
         map("stickiness", &self.stickiness, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number")?;
         check_bands(&self.bands, &self.frozen)?;
+        map("hold", &self.hold, |x| x.is_finite() && x >= 0.0, "give 0, 1 or another positive number")?;
         if self.frozen.iter().flatten().all(|&frozen| frozen) {
             return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
         }
@@ -474,7 +477,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
         for (face, rest) in topology.faces.iter().zip(&surface.faces) {
             face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
         }
-        let lump = |v: usize| LUMP * growing.wavelength_m[v];
+        let rough = band_limited(growing, &surface, &area_m2, options.seed)?;
         Ok(Self {
             growing,
             options,
@@ -484,7 +487,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             thickness,
             area_m2,
             crests: (0..topology.face_count()).map(|f| crest_tension(growing, &surface, f)).collect(),
-            rough: (0..start.len()).map(|v| roughness(&growing.places[v], lump(v), options.seed)).collect(),
+            rough,
             scale,
         })
     }
@@ -494,7 +497,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let (wavelength, poisson) = (self.growing.wavelength_m[v], self.options.poisson);
         let thickness = self.options.thickness_share * wavelength;
         let bending = self.options.young_pa * thickness.powi(3) / (12.0 * (1.0 - poisson * poisson));
-        bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
+        loose::share(self.growing.hold[v]) * bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
     }
 
     /// What keeps the surface from passing through itself, pushing about as hard as the foundation does under a fold.
@@ -518,17 +521,17 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let (growing, options) = (self.growing, self.options);
         let most: Vec<f64> = expansion.vertices.iter().map(|growth| growth.principal().0[0]).collect();
         let stiff: Vec<f64> = (0..most.len()).map(|v| self.stiffness(v, most[v])).collect();
+        // What does not grow is pushed nowhere.
+        let begun = |v: usize| (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
+        let offset_of = |v: usize, rough: f64| begun(v) * growing.wavelength_m[v] * options.imperfection * rough;
         let foundation: Vec<Foundation> = (0..most.len())
             .map(|v| {
                 let stiffness = stiff[v] * self.area_m2[v];
-                // What does not grow is pushed nowhere.
-                let begun = (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
-                let offset_m = begun * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]);
                 Foundation {
                     normal: self.normals[v],
                     stiffness,
                     grip: options.grip * stiffness,
-                    offset_m,
+                    offset_m: begun(v) * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]),
                     stickiness: growing.stickiness[v],
                 }
             })
@@ -543,12 +546,15 @@ impl<'a, 'b> Prepared<'a, 'b> {
                 crest.map(|c| c * stiffness.sqrt())
             })
             .collect();
-        let setup = Setup {
+        let mut setup = Setup {
             loads: growing.loads.clone(),
             obstacles: growing.obstacles,
             contact_thickness_m: growing.contact_thickness_m,
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
+        let rest_offset_m: Vec<Vec3> =
+            (0..most.len()).map(|v| self.normals[v] * (loose::missing(growing.hold[v]) * offset_of(v, self.rough[v]))).collect();
+        setup.loads.forces_newton.extend(loose::forces_newton(&setup, &self.thickness, &rest_offset_m));
         let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?.apart(self.contact(&foundation));
         let force = options.onset() * self.scale.edge_m / film.length_m();
         let newton = Options {

@@ -441,7 +441,7 @@ impl Problem for Film<'_> {
 }
 
 /// The bending of faces of unequal thickness: each square is scaled by the mean of its faces' thickness, to the power 3/2.
-fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBending {
+pub(super) fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBending {
     let mut bending = QuadraticBending::new(setup.topology, setup.rest, setup.material);
     let mut around = vec![(0.0, 0.0); setup.topology.vertex_count];
     for (f, face) in setup.topology.faces.iter().enumerate() {

@@ -43,6 +43,8 @@ pub struct Relief {
     pub spacing_m: [f64; 2],
     /// Offset (m) at each point, row by row: those along the growth are neighbours.
     pub offset_m: Vec<f64>,
+    /// Whether rows return to where they begin, one point after the last.
+    pub around: bool,
 }
 
 impl Relief {
@@ -59,6 +61,18 @@ impl Relief {
     /// # Errors
     /// As [`Relief::new`].
     pub fn from_corners(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2]) -> Result<Self> {
+        Self::sampled(faces, window, size, false)
+    }
+
+    /// As [`Relief::from_corners`], in a window that goes around something: its right rim is its left one.
+    ///
+    /// # Errors
+    /// As [`Relief::new`].
+    pub fn around(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2]) -> Result<Self> {
+        Self::sampled(faces, window, size, true)
+    }
+
+    fn sampled(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2], around: bool) -> Result<Self> {
         let extent = window.high - window.low;
         if size[0] < 8 || size[1] < 2 || extent.min() <= 0.0 {
             return Err(Error::value(
@@ -66,7 +80,7 @@ impl Relief {
                 "it holds too few points to count folds; give 8 or more along the growth, 2 or more across",
             ));
         }
-        let spacing_m = [extent.x / (size[0] - 1) as f64, extent.y / (size[1] - 1) as f64];
+        let spacing_m = [extent.x / (size[0] - usize::from(!around)) as f64, extent.y / (size[1] - 1) as f64];
         let mut grid = vec![f64::NAN; size[0] * size[1]];
         for ([a, b, c], w) in faces {
             let double_area = (b - a).perp(&(c - a));
@@ -95,7 +109,7 @@ impl Relief {
         if grid.iter().any(|w| w.is_nan()) {
             return Err(Error::value("window", "it reaches beyond the surface; make it smaller"));
         }
-        Ok(Self { size, spacing_m, offset_m: grid })
+        Ok(Self { size, spacing_m, offset_m: grid, around })
     }
 
     fn at(&self, i: usize, j: usize) -> f64 {
@@ -109,14 +123,17 @@ impl Relief {
         (self.offset_m.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / n).sqrt()
     }
 
-    /// The mean power spectrum along the growth: wave numbers (waves per metre) and power (m², not normalised).
+    /// The mean power spectrum along the growth: wave numbers (waves per metre) and power (m², not normalised). Around something there are
+    /// whole waves only, and no rim to be softened.
     pub fn spectrum(&self) -> (Vec<f64>, Vec<f64>) {
         let [m, n] = self.size;
-        let length = self.spacing_m[0] * (m - 1) as f64;
-        let count = (0.5 * (m - 1) as f64 / FINENESS) as usize;
-        let waves: Vec<f64> = (1..=count).map(|k| k as f64 * FINENESS / length).collect();
+        let (steps, fineness) = if self.around { (m, 1.0) } else { (m - 1, FINENESS) };
+        let length = self.spacing_m[0] * steps as f64;
+        let count = (0.5 * steps as f64 / fineness) as usize;
+        let waves: Vec<f64> = (1..=count).map(|k| k as f64 * fineness / length).collect();
         // Hann's window, so that folds cut at the rim do not smear.
-        let window: Vec<f64> = (0..m).map(|i| 0.5 - 0.5 * (TAU * i as f64 / (m - 1) as f64).cos()).collect();
+        let soft = |i: usize| 0.5 - 0.5 * (TAU * i as f64 / (m - 1) as f64).cos();
+        let window: Vec<f64> = (0..m).map(|i| if self.around { 1.0 } else { soft(i) }).collect();
         let weight: f64 = window.iter().sum();
         let rows: Vec<Vec<f64>> = (0..n)
             .map(|j| {
@@ -144,6 +161,11 @@ impl Relief {
             return None;
         }
         let half = 0.5 * power[peak];
+        if self.around {
+            let run = |list: &mut dyn Iterator<Item = usize>| list.take_while(|&k| power[k] >= half).count();
+            let broad = run(&mut (0..peak).rev()) + run(&mut (peak..power.len()));
+            return Some(Folds { wavelength_m: 1.0 / waves[peak], width: broad as f64 / (peak + 1) as f64 });
+        }
         let below = (0..peak).rev().find(|&k| power[k] < half).unwrap_or(0);
         let above = (peak..power.len()).find(|&k| power[k] < half).unwrap_or(power.len() - 1);
         // The centre of the peak, between the points where it has half its height.
@@ -162,9 +184,14 @@ impl Relief {
     pub fn crests_within(&self, within_rad: f64, radius_m: f64) -> f64 {
         let [m, n] = self.size;
         let slope = |i: usize, j: usize| {
-            let (i0, i1, j0, j1) = (i.saturating_sub(1), (i + 1).min(m - 1), j.saturating_sub(1), (j + 1).min(n - 1));
+            let (j0, j1) = (j.saturating_sub(1), (j + 1).min(n - 1));
+            let (i0, i1, steps) = if self.around {
+                ((i + m - 1) % m, (i + 1) % m, 2)
+            } else {
+                (i.saturating_sub(1), (i + 1).min(m - 1), (i + 1).min(m - 1) - i.saturating_sub(1))
+            };
             Vec2::new(
-                (self.at(i1, j) - self.at(i0, j)) / ((i1 - i0) as f64 * self.spacing_m[0]),
+                (self.at(i1, j) - self.at(i0, j)) / (steps as f64 * self.spacing_m[0]),
                 (self.at(i, j1) - self.at(i, j0)) / ((j1 - j0) as f64 * self.spacing_m[1]),
             )
         };
@@ -225,7 +252,7 @@ impl Relief {
 pub struct Folds {
     /// Their spacing (m) on the starting surface.
     pub wavelength_m: f64,
-    /// Width of the spectrum's peak at half its height, over its place.
+    /// Width of the spectrum's peak at half its height, over its place. Around something, that of the whole waves that have half of it.
     pub width: f64,
 }
 
@@ -278,7 +305,7 @@ mod tests {
     fn relief(offset: impl Fn(f64, f64) -> f64) -> Relief {
         let size = [201, 101];
         let at = |k: usize| offset((k % size[0]) as f64 / 200.0, (k / size[0]) as f64 / 100.0);
-        Relief { size, spacing_m: [1.0 / 200.0, 1.0 / 100.0], offset_m: (0..size[0] * size[1]).map(at).collect() }
+        Relief { size, spacing_m: [1.0 / 200.0, 1.0 / 100.0], offset_m: (0..size[0] * size[1]).map(at).collect(), around: false }
     }
 
     #[test]
@@ -294,6 +321,23 @@ mod tests {
         let one = relief(|x, _| (TAU * 5.0 * x).sin()).folds().unwrap();
         assert!(doubled.width > 1.5 * one.width || (doubled.wavelength_m * 5.0 - 1.0).abs() > 0.15);
         assert_eq!(relief(|_, _| 0.0).folds(), None);
+    }
+
+    #[test]
+    fn around_a_ring_folds_are_whole() {
+        let chart = [Vec2::zeros(), Vec2::new(3.0, 0.0), Vec2::new(3.0, 1.0), Vec2::new(0.0, 1.0)];
+        let faces = [[0, 1, 2], [0, 2, 3]].map(|f: [usize; 3]| (f.map(|v| chart[v]), [0.0; 3]));
+        let window = Window { low: Vec2::zeros(), high: Vec2::new(3.0, 1.0) };
+        let mut ring = Relief::around(faces.into_iter(), &window, [120, 3]).unwrap();
+        assert!((ring.spacing_m[0] - 3.0 / 120.0).abs() < 1e-15 && ring.folds().is_none());
+        for waves in [2.0, 3.0, 11.0] {
+            ring.offset_m = (0..360).map(|k| (TAU * waves * (k % 120) as f64 / 120.0 + (k / 120) as f64).cos()).collect();
+            let folds = ring.folds().unwrap();
+            assert!((3.0 / folds.wavelength_m - waves).abs() < 1e-12 && (folds.width - 1.0 / waves).abs() < 1e-12, "{folds:?}");
+            // As a window with rims it is read less sharply.
+            let open = Relief { around: false, spacing_m: [3.0 / 119.0, 0.5], ..ring.clone() };
+            assert!(open.folds().unwrap().width > 1.3 * folds.width);
+        }
     }
 
     #[test]

@@ -13,12 +13,14 @@ pub mod equilibrium;
 pub mod expansion;
 pub mod film;
 pub mod fold_angle;
+mod imperfection;
+mod loose;
 pub mod measure;
 pub mod procedure;
 pub mod reference;
 pub mod remesh;
-mod self_contact;
 pub mod sculpt;
+mod self_contact;
 
 pub use adapt::{AdaptOptions, Surface, grow_adapting};
 pub use equilibrium::{Growing, GrowthOptions, GrowthReport, StepReport, grow, grow_each};

@@ -72,9 +72,26 @@ impl Default for ReferenceOptions {
     }
 }
 
+/// How one level of growth went.
+#[derive(Clone, Copy, Debug)]
+pub struct LevelReport {
+    /// Part of the growth (0 to 1) that was applied.
+    pub part: f64,
+    /// Steps of time.
+    pub iterations: usize,
+    /// Largest force left, over k_p.
+    pub residual: f64,
+    /// Whether that is below the tolerance.
+    pub converged: bool,
+}
+
 /// How the reference mode went.
 #[derive(Clone, Debug)]
 pub struct ReferenceReport {
+    /// Every level of growth that was begun.
+    pub levels: Vec<LevelReport>,
+    /// Whether it was told to stop before its end.
+    pub cancelled: bool,
     /// Steps of time.
     pub iterations: usize,
     /// Largest force left, over k_p.
@@ -92,6 +109,19 @@ pub struct ReferenceReport {
 /// # Errors
 /// [`Error::Value`] if λ varies (its matrices take one), or loads or obstacles are given; [`Error::Numeric`] if it diverges.
 pub fn grow_by_forces(growing: &Growing<'_>, options: &ReferenceOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, ReferenceReport)> {
+    grow_by_forces_each(growing, options, observer, &mut |_, _| Ok(()))
+}
+
+/// As [`grow_by_forces`]; `each` is told of every level and the pose (`[V]`, m) that it led to.
+///
+/// # Errors
+/// As [`grow_by_forces`]; those of `each`.
+pub fn grow_by_forces_each(
+    growing: &Growing<'_>,
+    options: &ReferenceOptions,
+    observer: &dyn Observer,
+    each: &mut dyn FnMut(&LevelReport, &[Vec3]) -> Result<()>,
+) -> Result<(Vec<Vec3>, ReferenceReport)> {
     let begun = Instant::now();
     let wavelength_m = growing.wavelength_m[0];
     if growing.wavelength_m.iter().any(|&w| w != wavelength_m) {
@@ -106,15 +136,21 @@ pub fn grow_by_forces(growing: &Growing<'_>, options: &ReferenceOptions, observe
             "the reference mode knows no loads, sticking or obstacles; remove them, or use the other mode",
         ));
     }
+    if growing.hold.iter().any(|&hold| hold != 1.0) {
+        return Err(Error::value("growth.hold", "the reference mode has no foundation; remove this, or use the other mode"));
+    }
     let mut pose = growing.start.to_vec();
-    let (mut iterations, mut residual) = (0, 0.0);
+    let (mut iterations, mut residual, mut cancelled) = (0, 0.0, false);
+    let mut levels = Vec::with_capacity(options.levels);
     for level in 1..=options.levels {
         let part = level as f64 / options.levels as f64;
         let expansion = growing.expansion.part(part);
         let grown = expansion.act_on(growing.topology, growing.start, growing.rest)?;
         let mut forces = Forces::new(growing, options, &grown, wavelength_m)?;
+        let before = iterations;
         for _ in 0..options.iteration_limit {
-            if observer.cancelled() {
+            cancelled = observer.cancelled();
+            if cancelled {
                 break;
             }
             residual = forces.step(&mut pose)?;
@@ -131,10 +167,17 @@ pub fn grow_by_forces(growing: &Growing<'_>, options: &ReferenceOptions, observe
                 break;
             }
         }
+        let converged = !cancelled && residual <= options.tolerance;
+        levels.push(LevelReport { part, iterations: iterations - before, residual, converged });
+        each(&levels[levels.len() - 1], &pose)?;
+        if cancelled {
+            break;
+        }
     }
     let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
     let seconds = begun.elapsed().as_secs_f64();
-    Ok((pose, ReferenceReport { iterations, residual, converged: residual <= options.tolerance, asked, seconds }))
+    let converged = levels.last().is_none_or(|level| level.converged);
+    Ok((pose, ReferenceReport { levels, cancelled, iterations, residual, converged, asked, seconds }))
 }
 
 /// The paper's forces at one level of growth.

@@ -1,6 +1,6 @@
 //! OBJ text: the triangles of a mesh, read and written.
 //!
-//! Read are `v`, `vt` and `f`; faces with more than three corners are cut into triangles. Names, groups, materials, normals,
+//! Read are `v` (with colours, if all have them), `vt` and `f`; faces with more than three corners are cut into triangles. Names, groups, materials, normals,
 //! lines and points are passed over, anything else is passed over with a warning. Curves and free-form surfaces are not read.
 
 use std::io::{self, Write};
@@ -15,6 +15,8 @@ use crate::{Error, Result};
 pub struct Obj {
     /// `[V]` vertex positions (m, if the file was written in metres), all finite.
     pub positions: Vec<Vec3>,
+    /// `[V]` red, green and blue as written after the coordinates; `None` unless every vertex has them, finite.
+    pub colours: Option<Vec<[f64; 3]>>,
     /// `[F][3]` vertices of each triangle, as oriented in the file; every index is below `V`, but may repeat within a face.
     pub faces: Vec<[usize; 3]>,
     /// `[T]` texture coordinates (v up, as OBJ has it), all finite; also those that no face uses.
@@ -179,6 +181,8 @@ type Said<T> = std::result::Result<T, String>;
 #[derive(Default)]
 struct Raw {
     positions: Vec<Vec3>,
+    /// Of the first vertices, until one has none.
+    colours: Vec<[f64; 3]>,
     texture_coordinates: Vec<Vec2>,
     /// Vertices of all corners of all polygons, one after the other.
     corners: Vec<u32>,
@@ -199,7 +203,10 @@ impl Raw {
         match words.next() {
             None => {}
             Some("v") => {
-                let [x, y, z] = numbers(words, 3, "a vertex needs three coordinates (v x y z)")?;
+                let [x, y, z] = numbers(words.clone(), 3, "a vertex needs three coordinates (v x y z)")?;
+                if self.colours.len() == self.positions.len() {
+                    self.colours.extend(colour(words.skip(3)));
+                }
                 self.positions.push(Vec3::new(x, y, z));
             }
             Some("vt") => {
@@ -334,6 +341,7 @@ impl Raw {
         }
         repeated.warn("face names a corner twice in a row; the repetition was dropped", &mut obj.warnings);
         unsound.warn("polygon crosses itself, has no area or is far from flat; its triangles may overlap", &mut obj.warnings);
+        obj.colours = (self.colours.len() == self.positions.len()).then_some(self.colours);
         obj.positions = self.positions;
         obj.texture_coordinates = self.texture_coordinates;
         Ok(obj)
@@ -377,6 +385,12 @@ fn numbers<'a>(words: impl Iterator<Item = &'a str>, needed: usize, need: &str) 
         found += 1;
     }
     if found < needed { Err(format!("{need}, this one has {found}; add what is missing")) } else { Ok(values) }
+}
+
+/// Three finite numbers, if there are as many.
+fn colour<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<[f64; 3]> {
+    let mut number = || words.next()?.parse().ok().filter(|x: &f64| x.is_finite());
+    Some([number()?, number()?, number()?])
 }
 
 /// The index in `part` of the corner `word`, counted from 0, when `count` of what it counts have been read so far.

@@ -1,6 +1,6 @@
 //! Binary PLY: triangles with named values per vertex, for looking at fields in other programs.
 //!
-//! Writing only. Positions are doubles, values single precision, all little-endian.
+//! Writing only ([`super::ply_mesh`] reads). Positions are doubles, values single precision, all little-endian.
 
 use std::io::{self, Write};
 

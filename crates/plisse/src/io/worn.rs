@@ -35,6 +35,8 @@ pub struct Worn {
     pub rest_positions: Vec<Vec3>,
     /// `[F][3]` rest vertices of each face, corner by corner.
     pub rest_faces: Vec<[usize; 3]>,
+    /// `[V]` red, green and blue of the worn file's vertices, if it has them.
+    pub colours: Option<Vec<[f64; 3]>>,
     /// Texture coordinates (v up) and those of each face's corners, of the worn file or else of the rest file.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
     /// What was passed over, mended, welded or cut, a sentence each with the file.
@@ -101,7 +103,13 @@ pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
         rest_texture = Some((worn.texture_coordinates, faces));
     }
     let (positions, vertex_of_input) = (welded.positions, welded.vertex_of_input);
-    Ok(Worn { topology, positions, vertex_of_input, rest_positions, rest_faces, texture: rest_texture, notes })
+    // Where several became one, the last one's.
+    let colours = worn.colours.map(|own| {
+        let mut colours = vec![[0.0; 3]; positions.len()];
+        own.iter().zip(&vertex_of_input).for_each(|(colour, &v)| colours[v] = *colour);
+        colours
+    });
+    Ok(Worn { topology, positions, vertex_of_input, rest_positions, rest_faces, colours, texture: rest_texture, notes })
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
-//! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]), sewing ([`sew`]), welding and checks
+//! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]) and [`closed`] surfaces, sewing ([`sew`]), welding and checks
 //! ([`check`]), Loop subdivision ([`subdivide`]).
 
 pub mod check;
+pub mod closed;
 pub mod crossing;
 pub mod grid;
 pub mod panel;

@@ -1,6 +1,6 @@
 //! Solid bodies that a shell may not enter: signed distances with first and second derivatives, for contact.
 //!
-//! An [`Obstacle`] is a half-space, a sphere, a capsule or round cone, an ellipsoid or a closed mesh. Distances are exact, negative
+//! An [`Obstacle`] is a half-space, a sphere, a capsule or round cone, an ellipsoid, a torus or a closed mesh. Distances are exact, negative
 //! inside. Queries take no heap and give the same on any thread. Where distance has no derivative (on the medial axis, deep
 //! inside), one of the possible gradients is given, and curvatures are held finite.
 
@@ -9,6 +9,7 @@ mod plane;
 mod round_cone;
 mod sphere;
 mod tessellate;
+mod torus;
 mod triangles;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use ellipsoid::Ellipsoid;
 use plane::Plane;
 use round_cone::RoundCone;
 use sphere::Sphere;
+use torus::Torus;
 use triangles::Triangles;
 
 /// Smallest radius (m).
@@ -47,6 +49,7 @@ enum Shape {
     Sphere(Sphere),
     RoundCone(RoundCone),
     Ellipsoid(Ellipsoid),
+    Torus(Torus),
     Triangles(Arc<Triangles>),
 }
 
@@ -127,6 +130,29 @@ impl Obstacle {
         Ok(Self::of(name, Shape::Ellipsoid(Ellipsoid::new(centre_m, radii_m, turn))))
     }
 
+    /// The solid torus around `axis` (any length but 0) through `centre_m` (m), whose tube of `tube_radius_m` (m) has its middle on the circle
+    /// of `radius_m` (m).
+    ///
+    /// # Errors
+    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, the tube is as thick as the circle is wide, the centre not finite or beyond
+    /// 1e6 m, or the axis not finite or zero.
+    pub fn torus(name: &str, centre_m: Vec3, axis: Vec3, radius_m: f64, tube_radius_m: f64) -> Result<Self> {
+        check_point(name, "centre_m", &centre_m)?;
+        check_radius(name, "radius_m", radius_m)?;
+        check_radius(name, "tube_radius_m", tube_radius_m)?;
+        if tube_radius_m >= radius_m {
+            let message = format!("a tube of {tube_radius_m} m closes the hole of a torus of {radius_m} m; give less than radius_m");
+            return Err(Error::value(format!("{name}.tube_radius_m"), message));
+        }
+        let scale = axis.amax();
+        if !(axis.iter().all(|x| x.is_finite()) && scale > 0.0) {
+            let message =
+                format!("the axis is ({}, {}, {}), which is no direction; give a vector that is not zero", axis.x, axis.y, axis.z);
+            return Err(Error::value(format!("{name}.axis"), message));
+        }
+        Ok(Self::of(name, Shape::Torus(Torus::new(centre_m, (axis / scale).normalize(), radius_m, tube_radius_m))))
+    }
+
     /// The body inside a closed mesh: `positions` (`[V]`, m) and `faces` (`[F][3]`), counter-clockwise seen from outside.
     /// If the mesh is inside out as a whole, all its faces are flipped.
     /// Vertices split along texture seams are welded; faces without area count for nothing; vertices without faces are left out.
@@ -150,6 +176,7 @@ impl Obstacle {
             Shape::Sphere(sphere) => sphere.distance_m(p),
             Shape::RoundCone(cone) => cone.distance_m(p),
             Shape::Ellipsoid(ellipsoid) => ellipsoid.distance_m(p),
+            Shape::Torus(torus) => torus.distance_m(p),
             Shape::Triangles(mesh) => mesh.distance_m(p),
         }
     }
@@ -162,6 +189,7 @@ impl Obstacle {
             Shape::Sphere(sphere) => sphere.nearby(p, reach_m),
             Shape::RoundCone(cone) => cone.nearby(p, reach_m),
             Shape::Ellipsoid(ellipsoid) => ellipsoid.nearby(p, reach_m),
+            Shape::Torus(torus) => torus.nearby(p, reach_m),
             Shape::Triangles(mesh) => mesh.nearby(p, reach_m),
         }
     }
@@ -175,6 +203,7 @@ impl Obstacle {
             Shape::Sphere(sphere) => sphere.surface(),
             Shape::RoundCone(cone) => cone.surface(),
             Shape::Ellipsoid(ellipsoid) => ellipsoid.surface(),
+            Shape::Torus(torus) => torus.surface(),
             Shape::Triangles(mesh) => mesh.surface(),
         }
     }
@@ -245,6 +274,7 @@ mod tests {
             (ellipsoid([0.3, 0.9, 0.3]), 0.05),
             (ellipsoid([0.9, 0.9, 0.2]), 0.02),
             (ellipsoid([0.6, 0.6, 0.6]), 0.3),
+            (Obstacle::torus("t", Vec3::new(0.1, -0.1, 0.2), Vec3::new(1.0, 2.0, -2.0), 0.7, 0.25).unwrap(), 0.15),
         ]
     }
 

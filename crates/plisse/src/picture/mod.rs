@@ -103,6 +103,21 @@ pub fn draw_among(panels: &[PanelView; 4], bodies: Subject, camera: &Camera, siz
     image
 }
 
+/// One surface in several poses, on one mesh or several, a picture of each from the same `camera` and at the same scale, with grey `bodies`
+/// around it; `size` is width and height (pixels). No title and no key.
+pub fn draw_frames(poses: &[Subject<'_>], paint: Paint, bodies: Subject, camera: &Camera, size: (usize, usize)) -> Vec<Image> {
+    let bounds = poses.iter().fold(camera.bounds(), |bounds, pose| bounds.including(camera, *pose));
+    let view = (size.0.saturating_sub(2 * MARGIN), size.1.saturating_sub(2 * MARGIN));
+    let frame = Frame::new(camera, &bounds, view);
+    let one = |&subject: &Subject<'_>| {
+        let mut image = Image::blank(size.0, size.1);
+        let painted = paint::paint(&PanelView { title: "", subject, paint }, bodies, &frame);
+        image.paste(&painted.image, MARGIN, MARGIN);
+        image
+    };
+    poses.iter().map(one).collect()
+}
+
 /// Space left and right of a panel's view (pixels, at letter size 1).
 const MARGIN: usize = 20;
 /// Space above a panel's view, for the title.

@@ -25,9 +25,12 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
                 in_reach(&format!("{place}.{name}"), &point)?;
             }
         }
-        for (name, length) in
-            [("radius_m", table.radius_m), ("end_radius_m", table.end_radius_m), ("metres_per_unit", table.metres_per_unit)]
-        {
+        for (name, length) in [
+            ("radius_m", table.radius_m),
+            ("end_radius_m", table.end_radius_m),
+            ("tube_radius_m", table.tube_radius_m),
+            ("metres_per_unit", table.metres_per_unit),
+        ] {
             if let Some(length) = length {
                 positive(&format!("{place}.{name}"), length)?;
             }
@@ -37,6 +40,9 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         }
         if let Some(normal) = table.normal {
             direction(&format!("{place}.normal"), normal)?;
+        }
+        if let Some(axis) = table.axis {
+            direction(&format!("{place}.axis"), axis)?;
         }
         if let Some(turn) = &table.turn {
             direction(&format!("{place}.turn.axis"), turn.axis)?;
@@ -61,6 +67,8 @@ fn check_fields(place: &str, table: &ObstacleTable) -> Result<()> {
         ("end_radius_m", table.end_radius_m.is_some()),
         ("radii_m", table.radii_m.is_some()),
         ("turn", table.turn.is_some()),
+        ("axis", table.axis.is_some()),
+        ("tube_radius_m", table.tube_radius_m.is_some()),
         ("file", table.file.is_some()),
         ("metres_per_unit", table.metres_per_unit.is_some()),
     ];
@@ -69,6 +77,7 @@ fn check_fields(place: &str, table: &ObstacleTable) -> Result<()> {
         ObstacleKind::Sphere => ("a sphere", &["centre_m", "radius_m"], &[]),
         ObstacleKind::Capsule => ("a capsule", &["from_m", "to_m", "radius_m"], &["end_radius_m"]),
         ObstacleKind::Ellipsoid => ("an ellipsoid", &["centre_m", "radii_m"], &["turn"]),
+        ObstacleKind::Torus => ("a torus", &["centre_m", "axis", "radius_m", "tube_radius_m"], &[]),
         ObstacleKind::Mesh => ("a mesh", &["file"], &["metres_per_unit"]),
     };
     for (name, is_given) in given {
@@ -115,6 +124,9 @@ fn obstacle(scene: &Scene, place: &str, table: &ObstacleTable) -> Result<Obstacl
                 Rotation3::from_axis_angle(&Unit::new_normalize(Vec3::from(turn.axis)), turn.angle_deg.to_radians())
             });
             Obstacle::ellipsoid(&table.name, point(table.centre_m), table.radii_m.unwrap_or_default(), turn)
+        }
+        ObstacleKind::Torus => {
+            Obstacle::torus(&table.name, point(table.centre_m), point(table.axis), radius, table.tube_radius_m.unwrap_or_default())
         }
         ObstacleKind::Mesh => {
             let path = beside(scene, table.file.as_deref().unwrap_or(&scene.file));
@@ -169,6 +181,13 @@ mod tests {
         centre_m = [0, 0, -2]
         radii_m = [1.5, 1.0, 0.5]
         turn = { axis = [0, 2, 0], angle_deg = -90 }
+        [[obstacle]]
+        name = "ring"
+        kind = "torus"
+        centre_m = [0, 0, -2]
+        axis = [0, 0, 3]
+        radius_m = 1.75
+        tube_radius_m = 0.75
         [contact]
         thickness_m = 0.002
     "#;
@@ -178,10 +197,10 @@ mod tests {
         let b = built(BODIES).unwrap();
         let distances: Vec<f64> = b.obstacles.iter().map(|body| body.distance_m(&Vec3::zeros())).collect();
         // The turn stands the ellipsoid up.
-        for (found, expected) in distances.iter().zip([3.0, 0.5, 1.5, 0.5]) {
+        for (found, expected) in distances.iter().zip([3.0, 0.5, 1.5, 0.5, (4.0_f64 + 1.75 * 1.75).sqrt() - 0.75]) {
             assert!((found - expected).abs() < 1e-9, "{distances:?}");
         }
-        assert_eq!((b.obstacles.len(), b.contact_thickness_m), (4, 0.002));
+        assert_eq!((b.obstacles.len(), b.contact_thickness_m), (5, 0.002));
         let wide =
             built(&BODIES.replace("radius_m = 0.5\n", "radius_m = 0.5\nend_radius_m = 1.0\n").replace("thickness_m = 0.002", "")).unwrap();
         assert!((wide.obstacles[2].distance_m(&Vec3::new(2.0, 0.0, 0.0)) - 1.0).abs() < 0.2);
@@ -203,6 +222,9 @@ mod tests {
             ("[1.5, 1.0, 0.5]", "[1.5, 1e-6, 0.5]", "obstacle[3].radii_m", "unlike"),
             ("[0, 2, 0]", "[0, 0, 0]", "obstacle[3].turn.axis", "no length"),
             ("-90", "inf", "obstacle[3].turn.angle_deg", "inf"),
+            ("axis = [0, 0, 3]", "axis = [0, 0, 0]", "obstacle[4].axis", "no length"),
+            ("axis = [0, 0, 3]", "", "obstacle[4].axis", "a torus needs this"),
+            ("tube_radius_m = 0.75", "tube_radius_m = 1.75", "obstacle[4].tube_radius_m", "closes the hole"),
             ("thickness_m = 0.002", "thickness_m = 0", "contact.thickness_m", "0 is no usable length"),
         ] {
             assert_eq!(BODIES.matches(from).count(), 1, "{from}");

@@ -30,7 +30,8 @@ pub struct Built {
     pub topology: Topology,
     /// `[F]` rest metric; grown, if the scene grows.
     pub rest: RestMetric,
-    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z = 0; or of a mesh's rest shape.
+    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z = 0 (or around its own origin, if it is
+    /// closed); or of a mesh's rest shape.
     pub rest_positions: Vec<Vec3>,
     /// `[F][3]` rest vertices of each face, corner by corner.
     pub rest_faces: Vec<[usize; 3]>,
@@ -60,7 +61,7 @@ pub struct Built {
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order; none if the scene has a mesh.
     pub panels: Vec<BuiltPanel>,
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files gave them.
+    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files gave them or some panel is closed.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
     /// What readers of files passed over or mended, a sentence each.
     pub notes: Vec<String>,
@@ -205,7 +206,7 @@ fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
                 };
                 let panel = laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
                 let faces = panel.map_or(0..0, |panel| panel.faces.clone());
-                let (pieces, crossings) = cut(from.into(), to.into(), faces, |f| laid.rest_faces[f].map(|r| laid.rest_positions[r].xy()));
+                let (pieces, crossings) = cut(from.into(), to.into(), faces, |f| laid.panel_corners(f));
                 if pieces.is_empty() {
                     let message = "the line to to_m misses the panel; give points in panel coordinates (m)";
                     return Err(Error::value(format!("measure[{i}].from_m"), message));

@@ -92,6 +92,9 @@ impl Scene {
             return Err(self.no_panel(field, panel));
         };
         let names = side_names(&self.panel[p]);
+        if names.is_empty() {
+            return Err(Error::value(field, format!("panel \"{panel}\" is closed and has no sides; use near_m or within_m")));
+        }
         if !names.iter().any(|name| name == side) {
             let message = format!("panel \"{panel}\" has no side \"{side}\"; its sides are {}", names.join(", "));
             return Err(Error::value(field, message));

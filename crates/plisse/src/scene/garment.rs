@@ -1,4 +1,5 @@
-//! `[mesh]`: a garment as pattern programs export it, worn in space with flat pieces as its rest shape.
+//! `[mesh]`: a surface from files. A garment as pattern programs export it, worn in space with flat pieces as its rest shape; or any mesh that
+//! rests where it starts, with what was painted on its vertices.
 
 use std::path::{Path, PathBuf};
 
@@ -6,12 +7,32 @@ use super::check::positive;
 use super::laid::Laid;
 use super::schema::{MeshTable, Scene};
 use crate::io::worn::{self, Rest};
+use crate::io::{obj, ply_mesh};
+use crate::mesh::check::{check_rest_faces, weld};
+use crate::mesh::{Topology, Vec2, Vec3};
 use crate::{Error, Result};
 
 /// What needs no file to be checked.
 pub(super) fn check(table: &MeshTable) -> Result<()> {
-    not_blank_path("mesh.worn", &table.worn)?;
     positive("mesh.metres_per_unit", table.metres_per_unit)?;
+    match (&table.start, &table.worn) {
+        (Some(start), None) => {
+            for (name, given) in [("rest", table.rest.is_some()), ("metres_per_uv", table.metres_per_uv.is_some())] {
+                if given {
+                    return Err(Error::value(
+                        format!("mesh.{name}"),
+                        "start is at rest where it starts; remove this, or give worn instead",
+                    ));
+                }
+            }
+            return not_blank_path("mesh.start", start);
+        }
+        (None, Some(worn)) => not_blank_path("mesh.worn", worn)?,
+        (None, None) => {
+            return Err(Error::value("mesh", "this names no file; give start (a mesh at rest), or worn (a garment) with its rest shape"));
+        }
+        (Some(_), Some(_)) => return Err(Error::value("mesh.worn", "start is the start pose already; remove one of them")),
+    }
     match (&table.rest, table.metres_per_uv) {
         (Some(rest), None) => not_blank_path("mesh.rest", rest),
         (None, Some(length)) => positive("mesh.metres_per_uv", length).map(|_| ()),
@@ -26,14 +47,18 @@ pub(super) fn check(table: &MeshTable) -> Result<()> {
     }
 }
 
-/// The garment, read from its files.
+/// The surface, read from its files.
 pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
+    let Some(worn_path) = &table.worn else {
+        let path = beside(scene, table.start.as_deref().unwrap_or(&scene.file));
+        return lay_start(&path, table.metres_per_unit).map_err(|error| about_file("mesh.start", error));
+    };
     let rest_path = table.rest.as_deref().map(|rest| beside(scene, rest));
     let rest = match &rest_path {
         Some(path) => Rest::File(path),
         None => Rest::Texture { metres_per_uv: table.metres_per_uv.unwrap_or(1.0) },
     };
-    let worn_path = beside(scene, &table.worn);
+    let worn_path = beside(scene, worn_path);
     let worn = worn::read(&worn_path, rest, table.metres_per_unit).map_err(|error| {
         let is_rest = matches!(&error, Error::File { path, .. } if Some(path) == rest_path.as_ref());
         about_file(if is_rest { "mesh.rest" } else { "mesh.worn" }, error)
@@ -46,8 +71,81 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
         vertex_of_rest: Vec::new(),
         panels: Vec::new(),
         sides: Vec::new(),
+        chart: None,
         texture: worn.texture,
+        attributes: worn.colours.map_or_else(Vec::new, |colours| attributes_of(&colours)),
         notes: worn.notes,
+    })
+}
+
+/// What vertex colours (`[V]`) are called as attributes.
+fn attributes_of(colours: &[[f64; 3]]) -> Vec<(String, Vec<f64>)> {
+    let channel = |(c, name): (usize, &str)| (name.to_owned(), colours.iter().map(|colour| colour[c]).collect());
+    ["red", "green", "blue"].into_iter().enumerate().map(channel).collect()
+}
+
+/// What a file of either format says.
+struct Start {
+    positions: Vec<Vec3>,
+    faces: Vec<[usize; 3]>,
+    texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    attributes: Vec<(String, Vec<f64>)>,
+    warnings: Vec<String>,
+    cut: usize,
+}
+
+fn read_start(path: &Path) -> Result<Start> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
+        let mesh = ply_mesh::read(path)?;
+        let texture = mesh.texture.map(|texture| (texture, mesh.faces.clone()));
+        let (positions, faces, attributes) = (mesh.positions, mesh.faces, mesh.attributes);
+        return Ok(Start { positions, faces, texture, attributes, warnings: Vec::new(), cut: mesh.cut });
+    }
+    let mesh = obj::read(path)?;
+    Ok(Start {
+        positions: mesh.positions,
+        faces: mesh.faces,
+        texture: mesh.texture_faces.map(|faces| (mesh.texture_coordinates, faces)),
+        attributes: mesh.colours.map_or_else(Vec::new, |colours| attributes_of(&colours)),
+        warnings: mesh.warnings,
+        cut: mesh.cuts.len(),
+    })
+}
+
+/// The mesh at `path`, at rest where it is.
+fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
+    let name = path.display().to_string();
+    let start = read_start(path)?;
+    check_rest_faces(&name, &start.positions, &start.faces)?;
+    let welded = weld(&start.positions, &start.faces);
+    let topology = Topology::new(&name, welded.positions.len(), welded.faces)?;
+    let positions: Vec<Vec3> = welded.positions.iter().map(|p| p * metres_per_unit).collect();
+    let attributes = start.attributes.into_iter().map(|(name, own)| {
+        // Where several became one, the last one's.
+        let mut values = vec![0.0; positions.len()];
+        own.iter().zip(&welded.vertex_of_input).for_each(|(value, &v)| values[v] = *value);
+        (name, values)
+    });
+    let mut notes: Vec<String> = start.warnings.iter().map(|w| format!("{name}: {w}")).collect();
+    let merged = start.positions.len() - positions.len();
+    if merged > 0 {
+        notes.push(format!("{merged} vertices of {name} at the same place as others were welded"));
+    }
+    if start.cut > 0 {
+        notes.push(format!("{} polygons of {name} were cut into triangles", start.cut));
+    }
+    Ok(Laid {
+        attributes: attributes.collect(),
+        rest_positions: positions.clone(),
+        rest_faces: topology.faces.clone(),
+        start: positions,
+        topology,
+        vertex_of_rest: Vec::new(),
+        panels: Vec::new(),
+        sides: Vec::new(),
+        chart: None,
+        texture: start.texture,
+        notes,
     })
 }
 
@@ -182,6 +280,36 @@ mod tests {
         assert!(text.contains("clamp: nothing holds the mesh (or its first part) along z against its weight"), "{text}");
         std::fs::write(tube.folder.join("flat.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
         assert!(tube.message(FLAT, CLAMP).contains("flat.obj: it has 1 triangles, but"));
+    }
+
+    #[test]
+    fn a_start_is_at_rest_and_keeps_what_is_painted_on_it() {
+        let tube = Tube::new("start", false);
+        let built = |mesh: &str| {
+            let text =
+                format!("title = \"t\"\nmaterial = {{ young_pa = 1e6, poisson = 0.3, thickness_m = 1e-3 }}\n[mesh]\n{mesh}\n{CLAMP}");
+            build(&parse(tube.folder.join("s.toml"), &text)?)
+        };
+        let b = built("start = \"worn.obj\"\nmetres_per_unit = 0.01").unwrap();
+        assert_eq!((b.topology.vertex_count, &b.start), (60, &b.rest_positions));
+        assert!(b.texture.is_some() && b.notes[0].contains("5 vertices of"));
+        for strain in crate::strain::strain(&b.topology, &b.rest, &b.start) {
+            assert!(strain.principal.iter().all(|p| p.abs() < 1e-12));
+        }
+        let colours = "v 0 0 0 0.5 1 0\nv 1 0 0 0.25 0 0\nv 0 1 0 1 0.125 0\nf 1 2 3\n";
+        std::fs::write(tube.folder.join("a.obj"), colours).unwrap();
+        let laid = lay_start(&tube.folder.join("a.obj"), 2.0).unwrap();
+        assert_eq!((laid.attributes.len(), &laid.attributes[0].1, laid.start[1].x), (3, &vec![0.5, 0.25, 1.0], 2.0));
+        std::fs::write(tube.folder.join("a.obj"), colours.replace("0 1 0 1 0.125 0", "0 1 0 1")).unwrap();
+        assert!(lay_start(&tube.folder.join("a.obj"), 2.0).unwrap().attributes.is_empty());
+        let refused = |mesh: &str| built(mesh).unwrap_err().to_string();
+        assert!(refused("metres_per_unit = 1").contains("s.toml, mesh: this names no file"));
+        assert!(refused("start = \"a.obj\"\nworn = \"a.obj\"").contains("mesh.worn: start is the start pose already"));
+        assert!(refused("start = \"a.obj\"\nrest = \"a.obj\"").contains("mesh.rest: start is at rest where it starts"));
+        assert!(
+            refused("start = \"none.ply\"").contains("s.toml, mesh.start: ")
+                && refused("start = \" \"").contains("mesh.start: this is empty")
+        );
     }
 
     #[test]

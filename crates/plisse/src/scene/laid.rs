@@ -24,8 +24,12 @@ pub(super) struct Laid {
     pub(super) panels: Vec<BuiltPanel>,
     /// `[panels]` the sides of each.
     pub(super) sides: Vec<Vec<Side>>,
-    /// Texture coordinates and those of each face's corners, if a file gave them.
+    /// Panel coordinates (m) and those of each face's corners, where they are not those of the rest vertices: if some panel is closed.
+    pub(super) chart: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// Texture coordinates and those of each face's corners, if a file gave them or some panel is closed.
     pub(super) texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// Names and values (`[V]`) of what a file says about each vertex.
+    pub(super) attributes: Vec<(String, Vec<f64>)>,
     /// What readers of files passed over or mended.
     pub(super) notes: Vec<String>,
 }
@@ -39,6 +43,14 @@ pub(super) struct Side {
 }
 
 impl Laid {
+    /// `[3]` panel coordinates (m) of the corners of face `f`.
+    pub(super) fn panel_corners(&self, f: usize) -> [Vec2; 3] {
+        match &self.chart {
+            Some((points, faces)) => faces[f].map(|p| points[p]),
+            None => self.rest_faces[f].map(|r| self.rest_positions[r].xy()),
+        }
+    }
+
     /// The side that `reference`, "panel.side", names.
     pub(super) fn side(&self, scene: &Scene, field: &str, reference: &str) -> Result<&Side> {
         let (p, name) = scene.side(field, reference)?;
@@ -84,6 +96,9 @@ impl Laid {
         let rest = self.vertex_of_rest.iter().position(|&v| v == lowest);
         let panel = rest.and_then(|r| self.panels.iter().find(|panel| panel.rest_vertices.contains(&r)));
         match panel {
+            Some(panel) if self.panels.iter().zip(&self.sides).any(|(p, sides)| p.name == panel.name && sides.is_empty()) => {
+                (format!("panel \"{}\"", panel.name), "some of its vertices")
+            }
             Some(panel) => (format!("panel \"{}\" (or what it is sewn to)", panel.name), "one of its sides"),
             None if lowest == 0 => ("the mesh (or its first part)".to_owned(), "some of its vertices"),
             None => (format!("the part of the mesh around {}", shown(self.start[lowest])), "some of its vertices"),
@@ -131,8 +146,8 @@ impl Laid {
         for f in turned {
             faces[f].swap(1, 2);
             self.rest_faces[f].swap(1, 2);
-            if let Some((_, texture_faces)) = &mut self.texture {
-                texture_faces[f].swap(1, 2);
+            for (_, own) in self.texture.iter_mut().chain(&mut self.chart) {
+                own[f].swap(1, 2);
             }
         }
         self.topology = Topology::new(place, self.topology.vertex_count, faces)?;

@@ -8,6 +8,7 @@
 mod bodies;
 pub mod build;
 mod check;
+mod closed;
 mod garment;
 pub mod growth;
 mod hold;

@@ -2,12 +2,14 @@
 
 use super::build::BuiltPanel;
 use super::check::{angle, direction, in_reach, not_blank, positive};
+use super::closed;
 use super::laid::{Laid, Side, extent};
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape, SideTable};
+use crate::bake::islands::side_by_side;
+use crate::mesh::Vec3;
 use crate::mesh::grid::{Diagonal, grid};
 use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
-use crate::mesh::{Vec2, Vec3};
 use crate::{Error, Result};
 
 /// How far apart the two start positions of a sewn vertex may be, relative to the size of the start pose.
@@ -20,7 +22,12 @@ pub(super) fn check_panel(place: &str, panel: &PanelTable) -> Result<()> {
         let message = format!("\"{}\" has a dot, which separates panel and side; write the name without", panel.name);
         return Err(Error::value(format!("{place}.name"), message));
     }
-    outline(place, panel)?;
+    check_sizes(place, panel)?;
+    if panel.shape.closed() {
+        closed::check(place, panel)?;
+    } else {
+        outline(place, panel)?;
+    }
     positive(&format!("{place}.edge_length_m"), panel.edge_length_m)?;
     if let Some(sides) = &panel.sides {
         check_sides(place, sides)?;
@@ -73,14 +80,15 @@ fn check_pattern(place: &str, panel: &PanelTable) -> Result<()> {
     Ok(())
 }
 
-/// The outline of a panel called `place` in errors.
-pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
+/// The sizes that a shape must have, and no others.
+fn check_sizes(place: &str, panel: &PanelTable) -> Result<()> {
     let given = [
         ("width_m", panel.width_m.is_some()),
         ("height_m", panel.height_m.is_some()),
         ("radius_m", panel.radius_m.is_some()),
         ("inner_radius_m", panel.inner_radius_m.is_some()),
         ("outer_radius_m", panel.outer_radius_m.is_some()),
+        ("tube_radius_m", panel.tube_radius_m.is_some()),
         ("corners_m", panel.corners_m.is_some()),
     ];
     if panel.sides.is_some() && panel.shape != Shape::Polygon {
@@ -91,6 +99,8 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
         Shape::Disk => ("a disk", &["radius_m"]),
         Shape::Annulus => ("an annulus", &["inner_radius_m", "outer_radius_m"]),
         Shape::Polygon => ("a polygon", &["corners_m"]),
+        Shape::Sphere => ("a sphere", &["radius_m"]),
+        Shape::Torus => ("a torus", &["radius_m", "tube_radius_m"]),
     };
     for (name, is_given) in given {
         if is_given != needed.contains(&name) {
@@ -99,6 +109,11 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
             return Err(Error::value(format!("{place}.{name}"), message));
         }
     }
+    Ok(())
+}
+
+/// The outline of a flat panel called `place` in errors, whose sizes are given.
+pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
     let size = |name: &str, value: Option<f64>| positive(&format!("{place}.{name}"), value.unwrap_or_default());
     Ok(match panel.shape {
         Shape::Rectangle => Outline::Rectangle { width_m: size("width_m", panel.width_m)?, height_m: size("height_m", panel.height_m)? },
@@ -107,7 +122,8 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
             inner_radius_m: size("inner_radius_m", panel.inner_radius_m)?,
             outer_radius_m: size("outer_radius_m", panel.outer_radius_m)?,
         },
-        Shape::Polygon => {
+        // Closed surfaces have no outline; `cut` does not ask for one.
+        Shape::Polygon | Shape::Sphere | Shape::Torus => {
             let corners_m = panel.corners_m.clone().unwrap_or_default();
             for (c, corner) in corners_m.iter().enumerate() {
                 in_reach(&format!("{place}.corners_m[{c}]"), corner)?;
@@ -127,6 +143,7 @@ pub(super) fn side_names(panel: &PanelTable) -> Vec<String> {
         Shape::Rectangle => &Outline::RECTANGLE_SIDES,
         Shape::Disk => &["rim"],
         Shape::Annulus => &["outer", "inner"],
+        Shape::Sphere | Shape::Torus => &[],
         Shape::Polygon => return (0..panel.corners_m.as_ref().map_or(0, Vec::len)).map(|side| side.to_string()).collect(),
     };
     names.iter().map(|&name| name.to_owned()).collect()
@@ -177,23 +194,33 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     }
     let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam { a: *a, b: (b.0, &b.1) }).collect();
     let sewn = sew(&place, &cut, &seams)?;
-    let laid = lay_flat(scene, &panels, &sewn.rest_positions)?;
+    let mut rest_positions: Vec<Vec3> = sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+    let chart = closed::shape(scene, &panels, &mut rest_positions, &sewn.rest_faces)?;
+    let laid = lay_panels(scene, &panels, &rest_positions)?;
     let start = start(scene, &panels, &seams, &sewn, &laid)?;
+    let texture = chart.as_ref().map(|(points, faces)| (side_by_side(points, faces), faces.clone()));
     Ok(Laid {
         topology: sewn.topology,
-        rest_positions: sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(),
+        rest_positions,
         rest_faces: sewn.rest_faces,
         start,
         vertex_of_rest: sewn.vertex_of_rest,
         panels,
         sides,
-        texture: None,
+        chart,
+        texture,
+        attributes: Vec::new(),
         notes: Vec::new(),
     })
 }
 
-/// A panel called `place` in errors.
+/// A panel called `place` in errors; of a closed surface its faces, with vertices that [`closed::shape`] puts right.
 fn cut(place: &str, table: &PanelTable) -> Result<Panel> {
+    if table.shape.closed() {
+        let surface = closed::cut(place, table)?;
+        let positions = surface.positions.iter().map(|p| p.xy()).collect();
+        return Ok(Panel { positions, faces: surface.faces, sides: Vec::new(), side_names: Vec::new() });
+    }
     let outline = outline(place, table)?;
     let diagonal = match table.mesh {
         Pattern::Irregular => None,
@@ -214,16 +241,17 @@ fn closed(panel: &PanelTable) -> bool {
 }
 
 /// `[R]` start position (m) of each rest vertex.
-fn lay_flat(scene: &Scene, panels: &[BuiltPanel], rest_positions: &[Vec2]) -> Result<Vec<Vec3>> {
+fn lay_panels(scene: &Scene, panels: &[BuiltPanel], rest_positions: &[Vec3]) -> Result<Vec<Vec3>> {
     let mut laid = Vec::with_capacity(rest_positions.len());
     for (i, (panel, table)) in panels.iter().zip(&scene.panel).enumerate() {
-        let flat = &rest_positions[panel.rest_vertices.clone()];
+        let own = &rest_positions[panel.rest_vertices.clone()];
         match table.place {
             Place::Flat { origin_m, x_axis, y_axis } => {
                 let [x, y] = plane(&format!("panel[{i}]"), x_axis, y_axis)?;
-                laid.extend(flat.iter().map(|p| Vec3::from(origin_m) + x * p.x + y * p.y));
+                let z = x.cross(&y);
+                laid.extend(own.iter().map(|p| Vec3::from(origin_m) + x * p.x + y * p.y + z * p.z));
             }
-            Place::Rolled { radius_m, centre_m, start_deg } => laid.extend(flat.iter().map(|p| {
+            Place::Rolled { radius_m, centre_m, start_deg } => laid.extend(own.iter().map(|p| {
                 let (sine, cosine) = (start_deg.to_radians() + p.x / radius_m).sin_cos();
                 Vec3::from(centre_m) + Vec3::new(radius_m * cosine, radius_m * sine, p.y)
             })),

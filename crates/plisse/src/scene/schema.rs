@@ -76,7 +76,7 @@ pub struct MaterialTable {
     pub density_kg_m3: Option<f64>,
 }
 
-/// `[[panel]]`: a flat piece, see [`crate::mesh::panel`].
+/// `[[panel]]`: a flat piece, see [`crate::mesh::panel`], or a closed surface, see [`crate::mesh::closed`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelTable {
@@ -88,12 +88,14 @@ pub struct PanelTable {
     pub width_m: Option<f64>,
     /// Extent of a rectangle along y (m).
     pub height_m: Option<f64>,
-    /// Radius of a disk (m).
+    /// Radius of a disk or a sphere, or of the circle along a torus (m).
     pub radius_m: Option<f64>,
     /// Radius of an annulus's hole (m).
     pub inner_radius_m: Option<f64>,
     /// Radius of an annulus's outer rim (m).
     pub outer_radius_m: Option<f64>,
+    /// Radius of a torus's tube (m).
+    pub tube_radius_m: Option<f64>,
     /// Corners of a polygon (m), in order.
     pub corners_m: Option<Vec<[f64; 2]>>,
     /// Sides of a polygon; none: one from each corner, called by its number.
@@ -142,15 +144,18 @@ pub enum Pattern {
     Falling,
 }
 
-/// `[mesh]`: a garment as pattern programs export it, see [`crate::io::worn`].
+/// `[mesh]`: a surface from files; either its start, which is also its rest shape, or a garment as pattern programs export it, see
+/// [`crate::io::worn`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeshTable {
-    /// OBJ file of the start pose, relative to the scene file.
-    pub worn: PathBuf,
-    /// OBJ file of the rest shape, relative to the scene file; none: the texture coordinates of `worn`.
+    /// OBJ or PLY file of a surface that starts at rest, relative to the scene file.
+    pub start: Option<PathBuf>,
+    /// OBJ file of a garment's start pose, relative to the scene file.
+    pub worn: Option<PathBuf>,
+    /// OBJ file of a garment's rest shape, relative to the scene file; none: the texture coordinates of `worn`.
     pub rest: Option<PathBuf>,
-    /// Length of one unit of texture (m); needed if there is no `rest`.
+    /// Length of one unit of texture (m); needed if there is `worn` but no `rest`.
     pub metres_per_uv: Option<f64>,
     /// Length of one unit of the files' coordinates (m).
     #[serde(default = "one_metre")]
@@ -161,7 +166,7 @@ fn one_metre() -> f64 {
     1.0
 }
 
-/// Outline of a panel; see [`crate::mesh::panel::Outline`] for the names of its sides.
+/// Outline of a panel, see [`crate::mesh::panel::Outline`] for the names of its sides; or a closed surface, which has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
@@ -173,13 +178,17 @@ pub enum Shape {
     Annulus,
     /// Needs `corners_m`.
     Polygon,
+    /// Needs `radius_m`; closed.
+    Sphere,
+    /// Needs `radius_m` and `tube_radius_m`; closed.
+    Torus,
 }
 
 /// Start pose of a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Place {
-    /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis).
+    /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis); a closed surface has its z along their cross product.
     Flat {
         /// Where the panel's origin lies (m).
         #[serde(default)]
@@ -325,9 +334,9 @@ pub struct ObstacleTable {
     pub point_m: Option<[f64; 3]>,
     /// Direction of a plane's free side (any length but 0).
     pub normal: Option<[f64; 3]>,
-    /// Centre of a sphere or an ellipsoid (m).
+    /// Centre of a sphere, an ellipsoid or a torus (m).
     pub centre_m: Option<[f64; 3]>,
-    /// Radius of a sphere, or of a capsule where it begins (m).
+    /// Radius of a sphere, of a capsule where it begins, or of the circle along a torus (m).
     pub radius_m: Option<f64>,
     /// Where a capsule's axis begins (m).
     pub from_m: Option<[f64; 3]>,
@@ -339,6 +348,10 @@ pub struct ObstacleTable {
     pub radii_m: Option<[f64; 3]>,
     /// How an ellipsoid is turned about its centre.
     pub turn: Option<TiltTable>,
+    /// Axis of a torus (any length but 0).
+    pub axis: Option<[f64; 3]>,
+    /// Radius of its tube (m).
+    pub tube_radius_m: Option<f64>,
     /// OBJ file of a closed mesh, relative to the scene file.
     pub file: Option<PathBuf>,
     /// Length of one unit of the file's coordinates (m); none: 1.
@@ -357,6 +370,8 @@ pub enum ObstacleKind {
     Capsule,
     /// Needs `centre_m` and `radii_m`.
     Ellipsoid,
+    /// Needs `centre_m`, `axis`, `radius_m` and `tube_radius_m`.
+    Torus,
     /// Needs `file`.
     Mesh,
 }

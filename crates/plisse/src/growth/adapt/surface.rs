@@ -10,11 +10,11 @@ use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::Loads;
 
-/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, three of the place, six of ln τ. One for each band follows.
-const CHANNELS: usize = 14;
+/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, hold, three of the place, six of ln τ. One for each band follows.
+const CHANNELS: usize = 15;
 /// Where the place and ln τ begin among them.
-const PLACE: usize = 5;
-const LOGARITHM: usize = 8;
+const PLACE: usize = 6;
+const LOGARITHM: usize = 9;
 
 /// What [`Growing`] borrows, owned: its mesh changes as it grows.
 #[derive(Clone, Debug)]
@@ -39,6 +39,8 @@ pub struct Surface<'a> {
     pub bias: Vec<f64>,
     /// `[V]` how much harder than out it goes in.
     pub stickiness: Vec<f64>,
+    /// `[V]` how much of the foundation there is.
+    pub hold: Vec<f64>,
     /// `[V]` axes along which each vertex is frozen.
     pub frozen: Vec<[bool; 3]>,
     /// Sets of vertices that move as one.
@@ -69,6 +71,7 @@ impl<'a> Surface<'a> {
             coherence_m: growing.coherence_m.clone(),
             bias: growing.bias.clone(),
             stickiness: growing.stickiness.clone(),
+            hold: growing.hold.clone(),
             frozen: growing.frozen.clone(),
             bands: growing.bands.clone(),
             uvs,
@@ -91,6 +94,7 @@ impl<'a> Surface<'a> {
             coherence_m: self.coherence_m.clone(),
             bias: self.bias.clone(),
             stickiness: self.stickiness.clone(),
+            hold: self.hold.clone(),
             frozen: self.frozen.clone(),
             bands: self.bands.clone(),
             loads: self.loads.clone(),
@@ -111,7 +115,7 @@ impl<'a> Surface<'a> {
     pub(super) fn remesh(&mut self, options: &RemeshOptions) -> Result<RemeshReport> {
         let growth = &self.expansion.vertices;
         let mut channels = vec![self.wavelength_m.clone(), growth.iter().map(|g| g.principal().0[0].max(1.0)).collect()];
-        channels.extend([self.coherence_m.clone(), self.bias.clone(), self.stickiness.clone()]);
+        channels.extend([self.coherence_m.clone(), self.bias.clone(), self.stickiness.clone(), self.hold.clone()]);
         channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
         let logarithms: Vec<[f64; 6]> = growth.iter().map(Growth::logarithm).collect();
         channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
@@ -170,7 +174,7 @@ impl<'a> Surface<'a> {
         let mut channels = sheet.channels.into_iter();
         let mut next = || channels.next().unwrap_or_default();
         (self.wavelength_m, _) = (next(), next());
-        (self.coherence_m, self.bias, self.stickiness) = (next(), next(), next());
+        (self.coherence_m, self.bias, self.stickiness, self.hold) = (next(), next(), next(), next());
         self.topology = topology;
         self.rest = RestMetric { faces: sheet.rest };
         (self.pose, self.start, self.frozen, self.uvs) = (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);

@@ -93,6 +93,8 @@ pub struct Sculpture {
     obstacles: Vec<Obstacle>,
     contact_thickness_m: f64,
     self_contact: bool,
+    /// `[V]` how much of the foundation there is.
+    hold: Vec<f64>,
     options: GrowthOptions,
     brush: SculptOptions,
     /// `[V]` normals of the starting surface.
@@ -148,6 +150,7 @@ impl Sculpture {
             obstacles: growing.obstacles.to_vec(),
             contact_thickness_m: growing.contact_thickness_m,
             self_contact: growing.self_contact,
+            hold: growing.hold.clone(),
             options,
             brush,
             reach: Reach::new(n),
@@ -194,6 +197,7 @@ impl Sculpture {
             bias: self.painted.iter().map(|p| p.bias).collect(),
             stickiness: self.painted.iter().map(|p| p.stickiness).collect(),
             frozen: self.painted.iter().map(|p| p.frozen).collect(),
+            hold: self.hold.clone(),
             bands: Vec::new(),
             loads: Loads { forces_newton: self.forces.clone(), ..self.loads.clone() },
             obstacles: &self.obstacles,

@@ -91,6 +91,7 @@ impl Region {
             bias: (0..count).map(|n| painted(n).bias).collect(),
             stickiness: (0..count).map(|n| painted(n).stickiness).collect(),
             frozen: (0..count).map(|n| painted(n).frozen).collect(),
+            hold: self.vertices.iter().map(|&v| whole.hold[v]).collect(),
             bands: Vec::new(),
             loads: self.loads.clone(),
             obstacles: &whole.obstacles,

@@ -6,6 +6,7 @@ use super::BuiltGrowth;
 use super::count;
 use super::schema::RemeshTable;
 use crate::Result;
+use crate::bake::islands::side_by_side;
 use crate::growth::remesh::Curving;
 use crate::growth::{AdaptOptions, Surface};
 use crate::mesh::{Topology, Vec2, Vec3};
@@ -29,31 +30,46 @@ pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) 
 }
 
 impl BuiltGrowth {
-    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: texture places, or else places (m) in the plane of
-    /// the panels, each panel apart from the others; none for a mesh that has neither.
+    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: places (m) in the panels, each panel apart from
+    /// the others, or else texture places; none for a mesh that has neither.
     pub fn chart(&self) -> Option<Vec<[Vec2; 3]>> {
         let built = &self.built;
-        if let Some((coordinates, corners)) = &built.texture {
+        let Some((_, apart)) = self.plane() else {
+            let (coordinates, corners) = built.texture.as_ref()?;
             return Some(corners.iter().map(|face| face.map(|t| coordinates[t])).collect());
-        }
-        let (_, apart) = self.plane()?;
-        let mut chart: Vec<[Vec2; 3]> = built.rest_faces.iter().map(|face| face.map(|r| built.rest_positions[r].xy())).collect();
+        };
+        let mut chart: Vec<[Vec2; 3]> = self.panel_places().collect();
         for (p, panel) in built.panels.iter().enumerate() {
             chart[panel.faces.clone()].iter_mut().flatten().for_each(|place| place.x += p as f64 * apart);
         }
         Some(chart)
     }
 
-    /// Middle (m) along x of all panels, each from its own origin, and how far apart (m) the chart lays them; none where the rest shape is
-    /// not flat.
+    /// Panel coordinates (m) of the corners of every face.
+    fn panel_places(&self) -> impl Iterator<Item = [Vec2; 3]> {
+        let built = &self.built;
+        (0..built.rest_faces.len()).map(|f| match &self.chart {
+            Some((points, faces)) => faces[f].map(|p| points[p]),
+            None => built.rest_faces[f].map(|r| built.rest_positions[r].xy()),
+        })
+    }
+
+    /// Middle (m) along x of all panels, each from its own origin, and how far apart (m) the chart lays them; none for a mesh that came with
+    /// a texture or is not flat.
     fn plane(&self) -> Option<(f64, f64)> {
-        let places = &self.built.rest_positions;
-        let first = *places.first()?;
-        let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-        let size = high - low;
-        let flat = size.z <= 1e-9 * size.x.max(size.y);
+        if self.chart.is_none() {
+            let places = &self.built.rest_positions;
+            let first = *places.first()?;
+            let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+            let size = high - low;
+            if self.built.texture.is_some() || size.z > 1e-9 * size.x.max(size.y) {
+                return None;
+            }
+        }
+        let along = self.panel_places().flatten().map(|p| p.x);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         // A power of two, so that little is lost by adding it.
-        flat.then(|| (0.5 * (low.x + high.x), (4.0 * size.x).log2().ceil().exp2()))
+        (high > low).then(|| (0.5 * (low + high), (4.0 * (high - low)).log2().ceil().exp2()))
     }
 
     /// This scene on the mesh of `surface`, which has grown from it with [`BuiltGrowth::chart`]; the pose (`[V]`, m) and the rest metric that
@@ -63,7 +79,7 @@ impl BuiltGrowth {
     /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which folds are counted reaches beyond it.
     pub fn on(&self, surface: Surface<'_>) -> Result<(Self, Vec<Vec3>, RestMetric)> {
         let corner_places = surface.uvs.as_deref();
-        let by_panel = (self.built.texture.is_none() && !self.built.panels.is_empty()).then(|| self.plane()).flatten();
+        let by_panel = self.plane().filter(|_| !self.built.panels.is_empty());
         let panel_of = |f: usize| match (by_panel, corner_places) {
             (Some((middle, apart)), Some(places)) => {
                 let x = places[f].iter().map(|p| p.x).sum::<f64>() / 3.0;
@@ -101,10 +117,14 @@ impl BuiltGrowth {
                 }
             }
         }
-        let textured = self.built.texture.is_some() && corner_places.is_some();
-        let (rest_positions, rest_faces, texture) = if textured || corners.is_empty() {
-            let texture = textured.then_some((places, corners));
+        let mut chart = None;
+        let (rest_positions, rest_faces, texture) = if corners.is_empty() || by_panel.is_none() {
+            let texture = (self.built.texture.is_some() && !corners.is_empty()).then_some((places, corners));
             (surface.start.clone(), topology.faces.clone(), texture)
+        } else if self.chart.is_some() {
+            let texture = (side_by_side(&places, &corners), corners.clone());
+            chart = Some((places, corners));
+            (surface.start.clone(), topology.faces.clone(), Some(texture))
         } else {
             (places.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), corners, None)
         };
@@ -117,9 +137,11 @@ impl BuiltGrowth {
             panels,
             sides: Vec::new(),
             texture,
+            chart,
+            attributes: Vec::new(),
             notes: Vec::new(),
         };
-        let windows = count::places(&self.counts, &laid)?;
+        let windows = count::places(&self.counts, &self.extents, &laid)?;
         let built = Built {
             clamps: Clamps::none(laid.topology.vertex_count),
             topology: laid.topology,
@@ -139,7 +161,10 @@ impl BuiltGrowth {
             coherence_m: surface.coherence_m,
             bias: surface.bias,
             stickiness: surface.stickiness,
+            hold: surface.hold,
             frozen: surface.frozen,
+            bands: surface.bands,
+            chart: laid.chart,
             windows,
             ..self.clone()
         };

@@ -1,7 +1,9 @@
 //! What needs no mesh to be checked in `[growth]`.
 
 use super::maps::procedure;
-use super::schema::{CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable, MapKind, MapTable, ProcedureTable};
+use super::schema::{
+    AxisKind, BandTable, CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable, MapKind, MapTable, ProcedureTable,
+};
 use crate::scene::check::{direction, in_reach, not_blank, positive, within};
 use crate::scene::garment::not_blank_path;
 use crate::scene::hold::{Grip, check_axes};
@@ -19,10 +21,15 @@ pub(in crate::scene) fn check(scene: &Scene, table: &GrowthTable) -> Result<()> 
         check_expansion(scene, &format!("growth.expansion[{i}]"), expansion)?;
     }
     check_map(scene, "growth.wavelength_m", &table.wavelength_m)?;
-    for (name, map) in [("coherence_m", &table.coherence_m), ("bias", &table.bias), ("stickiness", &table.stickiness)] {
+    for (name, map) in
+        [("coherence_m", &table.coherence_m), ("bias", &table.bias), ("stickiness", &table.stickiness), ("hold", &table.hold)]
+    {
         if let Some(map) = map {
             check_map(scene, &format!("growth.{name}"), map)?;
         }
+    }
+    for (i, band) in table.band.iter().enumerate() {
+        check_band(scene, &format!("growth.band[{i}]"), band)?;
     }
     for (i, freeze) in table.freeze.iter().enumerate() {
         check_freeze(scene, &format!("growth.freeze[{i}]"), freeze)?;
@@ -64,7 +71,21 @@ fn check_expansion(scene: &Scene, place: &str, table: &ExpansionTable) -> Result
         }
         Some(DirectionTable::Axis(table)) => {
             in_reach(&format!("{place}.direction.centre_m"), &table.centre_m)?;
-            direction(&format!("{place}.direction.axis"), table.axis)?;
+            match (table.kind, table.axis, &table.names) {
+                (AxisKind::Attribute, None, Some(names)) => {
+                    for name in names {
+                        not_blank(&format!("{place}.direction.names"), name)?;
+                    }
+                }
+                (AxisKind::Attribute, ..) => {
+                    let message = "this kind needs names, and no axis; give the three attributes that are the direction's x, y and z";
+                    return Err(Error::value(format!("{place}.direction"), message));
+                }
+                (_, Some(axis), None) => {
+                    direction(&format!("{place}.direction.axis"), axis)?;
+                }
+                _ => return Err(Error::value(format!("{place}.direction"), "this kind needs an axis, and no names; give [x, y, z]")),
+            }
         }
         None if table.across.is_some() || table.tensor.is_some() => {
             return Err(Error::value(format!("{place}.direction"), "this is missing; say along which direction, or give a factor only"));
@@ -77,7 +98,7 @@ fn check_expansion(scene: &Scene, place: &str, table: &ExpansionTable) -> Result
         (None, Some(_)) if table.across.is_some() => {
             Err(Error::value(format!("{place}.across"), "the tensor says how much it grows across already; remove one of them"))
         }
-        (_, Some(tensor)) => in_reach(&format!("{place}.tensor"), tensor),
+        (_, Some(tensor)) => tensor.iter().try_for_each(|map| check_map(scene, &format!("{place}.tensor"), map)),
         _ => Ok(()),
     }
 }
@@ -93,13 +114,26 @@ fn check_freeze(scene: &Scene, place: &str, table: &FreezeTable) -> Result<()> {
     }
 }
 
+fn check_band(scene: &Scene, place: &str, table: &BandTable) -> Result<()> {
+    match (&table.map, table.side.is_some() || table.within_m.is_some()) {
+        (Some(_), true) => Err(Error::value(place, "this says where in several ways; keep one of side, within_m and map")),
+        (Some(map), false) => check_map(scene, &format!("{place}.map"), map),
+        (None, false) => Err(Error::value(place, "this does not say where; give one of side, within_m and map")),
+        (None, true) => Grip::new(place, table.side.as_deref(), None, table.within_m)?.check(scene, place),
+    }
+}
+
 fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
     not_blank(&format!("{place}.name"), &table.name)?;
-    if !scene.panel.iter().any(|p| p.name == table.panel) {
+    let Some(panel) = scene.panel.iter().find(|p| p.name == table.panel) else {
         return Err(scene.no_panel(&format!("{place}.panel"), &table.panel));
-    }
+    };
     let ring = table.centre_m.is_some() || table.radius_m.is_some() || table.width_m.is_some();
     match (ring, table.low_m, table.high_m) {
+        (false, None, None) if panel.shape.closed() => Ok(()),
+        (true, ..) if panel.shape.closed() => {
+            Err(Error::value(place, "a closed panel has no rings in a plane; give low_m and high_m, or neither for all around it"))
+        }
         (false, Some(low), Some(high)) => {
             in_reach(&format!("{place}.low_m"), &low)?;
             in_reach(&format!("{place}.high_m"), &high)?;
@@ -166,8 +200,8 @@ fn check_map(scene: &Scene, place: &str, map: &MapTable) -> Result<()> {
 
 /// Fields that the kind must have, and that it must not.
 fn check_fields(place: &str, t: &ProcedureTable) -> Result<()> {
-    use MapKind::{Band, Fractal, Image, Noise, Panels, Radial, Ramp, Ring, Spots};
-    let fields: [(&str, bool, &[MapKind], bool); 14] = [
+    use MapKind::{Attribute, Band, Fractal, Image, Noise, Panels, Radial, Ramp, Ring, Spots};
+    let fields: [(&str, bool, &[MapKind], bool); 15] = [
         ("from_m", t.from_m.is_some(), &[Ramp], true),
         ("to_m", t.to_m.is_some(), &[Ramp], true),
         ("centre_m", t.centre_m.is_some(), &[Band, Ring, Radial], true),
@@ -182,6 +216,7 @@ fn check_fields(place: &str, t: &ProcedureTable) -> Result<()> {
         ("seed", t.seed.is_some(), &[Noise, Fractal], false),
         ("file", t.file.is_some(), &[Image], true),
         ("shares", t.shares.is_some(), &[Panels], true),
+        ("name", t.name.is_some(), &[Attribute], true),
     ];
     let kind = format!("{:?}", t.kind).to_lowercase();
     for (name, given, kinds, required) in fields {

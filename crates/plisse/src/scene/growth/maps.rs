@@ -11,7 +11,7 @@ use crate::scene::laid::Laid;
 use crate::scene::schema::Scene;
 use crate::{Error, Result};
 
-/// The procedure of a checked `table`; `None` for an image and for panels.
+/// The procedure of a checked `table`; `None` for an image, for panels and for an attribute.
 pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
     let point = |p: Option<[f64; 3]>| Vec3::from(p.unwrap_or_default());
     let (centre, axis, seed) = (point(table.centre_m), point(table.axis), table.seed.unwrap_or(1));
@@ -25,7 +25,7 @@ pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
         MapKind::Spots => Procedure::Spots { centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(), radius_m },
         MapKind::Noise => Procedure::Noise { size_m, seed },
         MapKind::Fractal => Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed },
-        MapKind::Image | MapKind::Panels => return None,
+        MapKind::Image | MapKind::Panels | MapKind::Attribute => return None,
     })
 }
 
@@ -39,6 +39,9 @@ pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Re
         return Ok(procedure.map(&laid.start, table.low, table.high));
     }
     let shares = match (&table.file, &table.shares) {
+        _ if table.kind == MapKind::Attribute => {
+            attribute(laid, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?.to_vec()
+        }
         (Some(file), _) => image_shares(laid, place, &beside(scene, file))?,
         (None, shares) => {
             let of_panel = |p: usize| shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default();
@@ -47,6 +50,20 @@ pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Re
         }
     };
     Ok(shares.into_iter().map(|share| table.low + (table.high - table.low) * share).collect())
+}
+
+/// `[V]` what the mesh says about each vertex under this name.
+fn attribute<'a>(laid: &'a Laid, field: &str, name: &str) -> Result<&'a [f64]> {
+    if let Some((_, values)) = laid.attributes.iter().find(|(own, _)| own == name) {
+        return Ok(values);
+    }
+    if laid.attributes.is_empty() {
+        let message =
+            format!("there is no attribute \"{name}\": vertices have none; start from an OBJ with colours or a PLY file with values");
+        return Err(Error::value(field, message));
+    }
+    let names: Vec<&str> = laid.attributes.iter().map(|(own, _)| own.as_str()).collect();
+    Err(Error::value(field, format!("the mesh has no attribute \"{name}\"; it has {}", names.join(", "))))
 }
 
 /// `[V]` mean of the values given for each vertex; 0 where there is none.
@@ -147,25 +164,41 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
     let Some(direction) = &table.direction else {
         return Expansion::from_factors(topology, start, &factor).map_err(|error| at(place, error));
     };
-    let course = match direction {
-        DirectionTable::Fixed(direction) => Course::Fixed(Vec3::from(*direction)),
-        DirectionTable::Axis(table) => {
-            let (centre, axis) = (Vec3::from(table.centre_m), Vec3::from(table.axis));
-            match table.kind {
-                AxisKind::Around => Course::Around { centre, axis },
-                AxisKind::Outward => Course::Outward { centre, axis },
-            }
-        }
+    let directions = directions(laid, place, direction)?;
+    let tensor: Option<Vec<Vec<f64>>> = match &table.tensor {
+        Some(maps) => Some(maps.iter().map(|own| map(scene, laid, &format!("{place}.tensor"), own)).collect::<Result<_>>()?),
+        None => None,
     };
-    let directions: Vec<Vec3> = start.iter().map(|p| course.at(p)).collect();
-    let form = |v: usize| match table.tensor {
-        Some([a, b, c]) if within[v] => Mat2::new(a, b, b, c),
+    let form = |v: usize| match &tensor {
+        Some(t) if within[v] => Mat2::new(t[0][v], t[1][v], t[1][v], t[2][v]),
         Some(_) => Mat2::identity(),
         // A factor below 0 has a square, too; it must be seen to be wrong.
         None => Mat2::new(factor[v] * factor[v].abs(), 0.0, 0.0, across[v] * across[v].abs()),
     };
     let forms: Vec<Mat2> = (0..n).map(form).collect();
     Expansion::from_tensors(topology, start, &directions, &forms).map_err(|error| at(place, error))
+}
+
+/// `[V]` directions, of any length.
+fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Vec3>> {
+    let course = match table {
+        DirectionTable::Fixed(direction) => Course::Fixed(Vec3::from(*direction)),
+        DirectionTable::Axis(table) => {
+            let (centre, axis) = (Vec3::from(table.centre_m), Vec3::from(table.axis.unwrap_or_default()));
+            match table.kind {
+                AxisKind::Around => Course::Around { centre, axis },
+                AxisKind::Outward => Course::Outward { centre, axis },
+                AxisKind::Attribute => {
+                    let field = format!("{place}.direction.names");
+                    let names = table.names.clone().unwrap_or_default();
+                    let [x, y, z] = [0, 1, 2].map(|axis| attribute(laid, &field, &names[axis]));
+                    let (x, y, z) = (x?, y?, z?);
+                    return Ok((0..x.len()).map(|v| Vec3::new(x[v], y[v], z[v])).collect());
+                }
+            }
+        }
+    };
+    Ok(laid.start.iter().map(|p| course.at(p)).collect())
 }
 
 /// `error` about a value, with the place in the scene that gave it.

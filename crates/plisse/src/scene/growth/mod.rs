@@ -10,13 +10,16 @@ pub(super) mod maps;
 pub mod schema;
 
 pub use count::Counted;
+pub use schema::Mode;
 
 use super::build::{Built, assemble, lay};
 use super::hold::{self, AXES, Grip};
 use super::laid::Laid;
 use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
+use crate::growth::reference::ReferenceOptions;
 use crate::growth::{AdaptOptions, Expansion, Growing, GrowthOptions};
+use crate::mesh::Vec2;
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
@@ -35,10 +38,18 @@ pub struct BuiltGrowth {
     pub bias: Vec<f64>,
     /// `[V]` how much harder than out it goes in.
     pub stickiness: Vec<f64>,
+    /// `[V]` how much of the foundation there is.
+    pub hold: Vec<f64>,
     /// `[V]` axes along which vertices stay.
     pub frozen: Vec<[bool; 3]>,
+    /// Vertices that move as one, and not with the others.
+    pub bands: Vec<Vec<usize>>,
+    /// By energy or by forces.
+    pub mode: Mode,
     /// How folds are solved for.
     pub options: GrowthOptions,
+    /// How the paper's forces go about it, in the other mode.
+    pub reference: ReferenceOptions,
     /// Steps of growth at least, if the scene says so.
     pub steps: Option<usize>,
     /// Whether folds keep from passing through each other.
@@ -47,6 +58,10 @@ pub struct BuiltGrowth {
     pub adapt: Option<AdaptOptions>,
     /// What is counted.
     counts: Vec<schema::CountTable>,
+    /// `[panels]` how far their coordinates run.
+    extents: Vec<count::Extent>,
+    /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
+    chart: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
     /// Where folds are counted.
     windows: Vec<count::Place>,
 }
@@ -65,8 +80,9 @@ impl BuiltGrowth {
             coherence_m: self.coherence_m.clone(),
             bias: self.bias.clone(),
             stickiness: self.stickiness.clone(),
+            hold: self.hold.clone(),
             frozen: self.frozen.clone(),
-            bands: Vec::new(),
+            bands: self.bands.clone(),
             loads: built.loads.clone(),
             obstacles: &built.obstacles,
             contact_thickness_m: built.contact_thickness_m,
@@ -112,20 +128,44 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     };
     let (wavelength_m, coherence_m) = (map("wavelength_m", Some(&table.wavelength_m))?, map("coherence_m", table.coherence_m.as_ref())?);
     let (bias, stickiness) = (map("bias", table.bias.as_ref())?, map("stickiness", table.stickiness.as_ref())?);
+    let hold = table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| maps::map(scene, &laid, "growth.hold", hold))?;
     let (expansion, frozen) = (maps::expansion(scene, table, &laid)?, frozen(scene, table, &laid)?);
-    let windows = count::places(&table.count, &laid)?;
+    let bands = bands(scene, table, &laid)?;
+    let extents: Vec<count::Extent> = scene.panel.iter().map(count::extent).collect();
+    let windows = count::places(&table.count, &extents, &laid)?;
+    let chart = laid.chart.clone();
     let mut options = GrowthOptions { young_pa: scene.material.young_pa, poisson: scene.material.poisson, ..GrowthOptions::default() };
     options.seed = table.seed.unwrap_or(options.seed);
     options.plasticity = table.plasticity.unwrap_or(options.plasticity);
     options.imperfection = table.imperfection.unwrap_or(options.imperfection);
     options.iteration_limit = table.iteration_limit.unwrap_or(options.iteration_limit);
+    let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
+    reference.levels = table.steps.unwrap_or(reference.levels);
+    reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
     let rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
-    let adapt = table.remesh.as_ref().map(|remesh| adapted::options(remesh, &built.topology, &built.start));
-    let (steps, counts, self_contact) = (table.steps, table.count.clone(), table.self_contact.unwrap_or(true));
-    let grown =
-        BuiltGrowth { built, expansion, wavelength_m, coherence_m, bias, stickiness, frozen, options, steps, self_contact, adapt, counts, windows };
+    let grown = BuiltGrowth {
+        adapt: table.remesh.as_ref().map(|remesh| adapted::options(remesh, &built.topology, &built.start)),
+        built,
+        expansion,
+        wavelength_m,
+        coherence_m,
+        bias,
+        stickiness,
+        hold,
+        frozen,
+        bands,
+        mode: table.mode.unwrap_or_default(),
+        options,
+        reference,
+        steps: table.steps,
+        self_contact: table.self_contact.unwrap_or(true),
+        counts: table.count.clone(),
+        extents,
+        chart,
+        windows,
+    };
     match &grown.adapt {
         Some(adapt) => adapt.check(&grown.growing(), &grown.options)?,
         None => grown.growing().check()?,
@@ -138,23 +178,44 @@ fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 
     let mut frozen: Vec<[bool; 3]> = hold::clamps(scene, laid)?.targets.iter().map(|target| target.map(|held| held.is_some())).collect();
     for (i, freeze) in table.freeze.iter().enumerate() {
         let place = format!("growth.freeze[{i}]");
-        let vertices: Vec<usize> = match &freeze.map {
-            Some(map) => {
-                let values = maps::map(scene, laid, &format!("{place}.map"), map)?;
-                (0..values.len()).filter(|&v| values[v] > 0.5).collect()
-            }
-            None => {
-                let grip = Grip::new(&place, freeze.side.as_deref(), freeze.near_m, freeze.within_m)?;
-                grip.vertices(scene, laid, &place)?.into_iter().map(|(v, _)| v).collect()
-            }
-        };
-        for v in vertices {
+        let grip = || Grip::new(&place, freeze.side.as_deref(), freeze.near_m, freeze.within_m);
+        for v in chosen(scene, laid, &place, freeze.map.as_ref(), grip)? {
             for (axis, letter) in AXES.into_iter().enumerate() {
                 frozen[v][axis] |= freeze.axes.contains(letter);
             }
         }
     }
     Ok(frozen)
+}
+
+/// The vertices of every `[[growth.band]]`, ascending.
+fn bands(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<Vec<usize>>> {
+    let of_band = |(i, band): (usize, &schema::BandTable)| {
+        let place = format!("growth.band[{i}]");
+        let grip = || Grip::new(&place, band.side.as_deref(), None, band.within_m);
+        let mut vertices = chosen(scene, laid, &place, band.map.as_ref(), grip)?;
+        vertices.sort_unstable();
+        vertices.dedup();
+        Ok(vertices)
+    };
+    table.band.iter().enumerate().map(of_band).collect()
+}
+
+/// The vertices where `map` is above one half, or that the grip holds.
+fn chosen<'g>(
+    scene: &Scene,
+    laid: &Laid,
+    place: &str,
+    map: Option<&schema::MapTable>,
+    grip: impl Fn() -> Result<Grip<'g>>,
+) -> Result<Vec<usize>> {
+    match map {
+        Some(map) => {
+            let values = maps::map(scene, laid, &format!("{place}.map"), map)?;
+            Ok((0..values.len()).filter(|&v| values[v] > 0.5).collect())
+        }
+        None => Ok(grip()?.vertices(scene, laid, place)?.into_iter().map(|(v, _)| v).collect()),
+    }
 }
 
 #[cfg(test)]

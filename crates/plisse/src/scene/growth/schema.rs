@@ -13,6 +13,8 @@ use crate::scene::schema::BoxTable;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrowthTable {
+    /// How folds are found; none: by energy.
+    pub mode: Option<Mode>,
     /// How much it grows and along what, one after the other.
     pub expansion: Vec<ExpansionTable>,
     /// λ: spacing of folds on the starting surface (m).
@@ -23,9 +25,14 @@ pub struct GrowthTable {
     pub bias: Option<MapTable>,
     /// How much harder than out the surface goes in; none: 0.
     pub stickiness: Option<MapTable>,
+    /// How much of the foundation there is; none: 1.
+    pub hold: Option<MapTable>,
     /// What stays where it is.
     #[serde(default)]
     pub freeze: Vec<FreezeTable>,
+    /// What moves as one.
+    #[serde(default)]
+    pub band: Vec<BandTable>,
     /// Windows in which folds are counted.
     #[serde(default)]
     pub count: Vec<CountTable>,
@@ -63,6 +70,17 @@ pub struct RemeshTable {
     pub round_start: Option<bool>,
 }
 
+/// `mode` of growth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// The least energy: [`crate::growth::equilibrium`].
+    #[default]
+    Variational,
+    /// The forces of the paper: [`mod@crate::growth::reference`].
+    Reference,
+}
+
 /// `[[growth.expansion]]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -74,7 +92,7 @@ pub struct ExpansionTable {
     /// Factor of lengths across `direction`; none: 1.
     pub across: Option<MapTable>,
     /// Instead of factors: τ = [a, b; b, c] in the frame of `direction`, as [a, b, c].
-    pub tensor: Option<[f64; 3]>,
+    pub tensor: Option<[MapTable; 3]>,
     /// Along what it grows most.
     pub direction: Option<DirectionTable>,
 }
@@ -100,7 +118,19 @@ fn xyz() -> String {
     "xyz".to_owned()
 }
 
-/// `[[growth.count]]`: a rectangle of a panel, or a ring of one.
+/// `[[growth.band]]`: vertices that move as one; exactly one of the fields says which.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandTable {
+    /// A side, as "panel.side".
+    pub side: Option<String>,
+    /// All vertices that start in this box.
+    pub within_m: Option<BoxTable>,
+    /// All vertices where this map is above one half.
+    pub map: Option<MapTable>,
+}
+
+/// `[[growth.count]]`: a rectangle of a panel, or a ring of one; of a closed panel that gives neither, all around it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CountTable {
@@ -179,6 +209,8 @@ pub struct ProcedureTable {
     pub file: Option<PathBuf>,
     /// Value for each panel, in the scene's order, from 0 (`low`) to 1 (`high`).
     pub shares: Option<Vec<f64>>,
+    /// Name of an attribute of the mesh's vertices: `low` where it is 0, `high` where it is 1.
+    pub name: Option<String>,
 }
 
 /// Which procedure a map is.
@@ -203,31 +235,35 @@ pub enum MapKind {
     Image,
     /// Needs `shares`.
     Panels,
+    /// Needs `name`.
+    Attribute,
 }
 
 /// A direction: `[x, y, z]`, or a table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum DirectionTable {
     /// The same everywhere.
     Fixed([f64; 3]),
-    /// About an axis.
+    /// About an axis, or from the mesh.
     Axis(AxisTable),
 }
 
-/// A direction about an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+/// A direction about an axis, or from the mesh.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisTable {
-    /// Around the axis, or away from it.
+    /// Around the axis, away from it, or by three attributes.
     pub kind: AxisKind,
     /// A point of the axis (m).
     #[serde(default)]
     pub centre_m: [f64; 3],
     /// Direction of the axis (any length but 0).
-    pub axis: [f64; 3],
+    pub axis: Option<[f64; 3]>,
+    /// Attributes of the mesh's vertices that are the direction's x, y and z.
+    pub names: Option<[String; 3]>,
 }
 
-/// How a direction runs about an axis.
+/// Where a direction comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisKind {
@@ -235,6 +271,8 @@ pub enum AxisKind {
     Around,
     /// Away from it.
     Outward,
+    /// From the mesh.
+    Attribute,
 }
 
 // Not derived: an untagged enum would not say what is wrong inside the table.
