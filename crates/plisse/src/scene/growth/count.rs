@@ -179,7 +179,9 @@ impl BuiltGrowth {
 
     /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if there is no such face.
     pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<Reached> {
-        let free = |v: usize| self.frozen[v] == [false; 3];
+        let mut banded = vec![false; pose.len()];
+        self.bands.iter().flatten().for_each(|&v| banded[v] = true);
+        let free = |v: usize| self.frozen[v] == [false; 3] && !banded[v];
         let counts = |f: usize| {
             let face = self.built.topology.faces[f];
             face.into_iter().all(free) && face.into_iter().any(|v| self.expansion.vertices[v].principal().0[0] > GROWS)
