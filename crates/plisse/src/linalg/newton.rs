@@ -525,7 +525,8 @@ mod tests {
             energy_unit_joule: 1.0,
         };
         let found = |leave| minimise(&mut Wells { x: 0.0 }, &[0.0, 5.0], &options(leave), &Silent).unwrap();
-        assert_eq!(found(false).x, [0.0, 1.0]);
+        let stuck = found(false).x;
+        assert!(stuck[0] == 0.0 && (stuck[1] - 1.0).abs() < 1e-9, "{stuck:?}");
         let left = found(true);
         assert_eq!(left.ending, Ending::Converged);
         assert!((left.x[0].abs() - 1.0).abs() < 1e-9 && (left.x[1] - 1.0).abs() < 1e-9, "{:?}", left.x);

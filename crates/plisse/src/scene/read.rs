@@ -323,6 +323,8 @@ normal = [0.0, 0.0, 1.0]
             ("direction of growth", "[[growth.expansion]]\ndirection = { zz = 1 }\n"),
             ("a map", "[growth]\nbias = { zz = 1 }\n"),
             ("growth.freeze", "[[growth.freeze]]\nzz = 1\n"),
+            ("growth.band", "[[growth.band]]\nzz = 1\n"),
+            ("growth.remesh", "[growth.remesh]\nzz = 1\n"),
             ("growth.count", "[[growth.count]]\nzz = 1\n"),
         ] {
             let text = message(more);
