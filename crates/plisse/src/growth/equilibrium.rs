@@ -550,6 +550,12 @@ impl<'a, 'b> Prepared<'a, 'b> {
             loads: growing.loads.clone(),
             obstacles: growing.obstacles,
             contact_thickness_m: growing.contact_thickness_m,
+            contact_pressure_pa: foundation
+                .iter()
+                .zip(&growing.wavelength_m)
+                .map(|(held, wavelength)| held.stiffness * wavelength)
+                .sum::<f64>()
+                / self.area_m2.iter().sum::<f64>(),
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
         let rest_offset_m: Vec<Vec3> =

@@ -78,6 +78,7 @@ impl Built {
             loads: self.loads.clone(),
             obstacles: &self.obstacles,
             contact_thickness_m: self.contact_thickness_m,
+            contact_pressure_pa: 0.0,
         }
     }
 }

@@ -46,7 +46,7 @@ impl<'a> Barrier<'a> {
         let material = setup.material;
         let weight: f64 = setup.dead_forces_newton().iter().map(Vec3::norm).sum::<f64>() / setup.rest.area_m2();
         let stiffness = material.young_pa * material.thickness_m / setup.length_m();
-        let pressure_pa = 10.0 * weight + setup.loads.pressure_pa.abs() + 1e-3 * stiffness;
+        let pressure_pa = 10.0 * weight + setup.loads.pressure_pa.abs() + setup.contact_pressure_pa + 1e-3 * stiffness;
         let strength = setup.vertex_area_m2().into_iter().map(|area| area * pressure_pa).collect();
         Some(Self { obstacles: setup.obstacles, thickness_m: setup.contact_thickness_m, strength })
     }

@@ -48,12 +48,23 @@ pub struct Setup<'a> {
     pub obstacles: &'a [Obstacle],
     /// Distance (m) from an obstacle within which it pushes back; > 0.
     pub contact_thickness_m: f64,
+    /// Pressure (Pa), beyond that of the loads, with which the sheet may be driven against obstacles.
+    pub contact_pressure_pa: f64,
 }
 
 impl<'a> Setup<'a> {
     /// A sheet that is only held: no loads, no obstacles.
     pub fn new(topology: &'a Topology, rest: &'a RestMetric, material: &'a Material, clamps: &'a Clamps) -> Self {
-        Self { topology, rest, material, clamps, loads: Loads::default(), obstacles: &[], contact_thickness_m: 1e-3 }
+        Self {
+            topology,
+            rest,
+            material,
+            clamps,
+            loads: Loads::default(),
+            obstacles: &[],
+            contact_thickness_m: 1e-3,
+            contact_pressure_pa: 0.0,
+        }
     }
 
     /// Size of the sheet (m): side of a square of its rest area.

@@ -27,6 +27,8 @@ const CHUNK: usize = 256;
 const PARALLEL: f64 = 1e-3;
 /// How far ahead, in thicknesses, couplings are foreseen.
 const AHEAD: f64 = 2.0;
+/// How much farther, as a share of the longest move, pairs are listed, so that small moves need no new list.
+const SKIN: f64 = 0.1;
 
 /// Gradient (N) and a positive semidefinite part of the Hessian (N/m) of one pair: `bend`·slope·slopeᵀ.
 #[derive(Clone, Debug)]
@@ -54,6 +56,9 @@ pub(super) struct SelfContact<'a> {
     speaker: Vec<usize>,
     /// All pairs that can be within the thickness where the surface is now and may step to.
     candidates: Vec<Pair>,
+    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was when they were listed.
+    listed: Vec<Pair>,
+    listed_at: Vec<Vec3>,
 }
 
 impl<'a> SelfContact<'a> {
@@ -65,14 +70,24 @@ impl<'a> SelfContact<'a> {
             face.iter().for_each(|&v| speaker[v] = f);
         }
         let strength = strength_newton.iter().map(|s| 0.25 * s).collect();
-        Self { topology, start, strength, thickness_m, longest_m, speaker, candidates: Vec::new() }
+        Self {
+            topology,
+            start,
+            strength,
+            thickness_m,
+            longest_m,
+            speaker,
+            candidates: Vec::new(),
+            listed: Vec::new(),
+            listed_at: Vec::new(),
+        }
     }
 
     /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
     pub(super) fn look(&mut self, pose: &[Vec3]) {
-        let pairs = self.pairs_in_boxes(|f| self.bounds(f, pose));
-        let near = |pair: &Pair| pair.near(pair.vertices().map(|v| pose[v])).distance < AHEAD * self.thickness_m;
-        self.candidates = pairs.into_par_iter().with_min_len(CHUNK).filter(near).collect();
+        self.list(pose);
+        let near = |pair: &&Pair| pair.near(pair.vertices().map(|v| pose[v])).distance < AHEAD * self.thickness_m;
+        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter(near).copied().collect();
     }
 
     /// The longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves` (`[V]`, m) that may be made; from then on, energies anywhere on
@@ -80,8 +95,22 @@ impl<'a> SelfContact<'a> {
     pub(super) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
         let most = moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         let part = if most > self.longest_m { self.longest_m / most } else { 1.0 };
-        let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-        let pairs = self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)));
+        let skin = SKIN * self.longest_m;
+        let within = |pose: &[Vec3], listed: &[Vec3]| {
+            let from = |v: usize| (pose[v] - listed[v]).norm().max((pose[v] + moves[v] * part - listed[v]).norm());
+            listed.len() == pose.len() && (0..pose.len()).all(|v| from(v) <= 0.5 * skin)
+        };
+        let fresh;
+        let pairs = if within(pose, &self.listed_at) {
+            &self.listed
+        } else if most * part <= 0.5 * skin {
+            self.list(pose);
+            &self.listed
+        } else {
+            let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
+            fresh = self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)));
+            &fresh
+        };
         let way = |pair: &Pair| {
             let vertices = pair.vertices();
             let way = advance(pair, vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
@@ -91,6 +120,15 @@ impl<'a> SelfContact<'a> {
         self.candidates.clear();
         self.candidates.extend(ways.iter().map(|(pair, _)| *pair));
         part * ways.iter().map(|(_, part)| *part).fold(1.0, f64::min)
+    }
+
+    /// Lists what can be near while nothing moves far from `pose` (`[V]`, m).
+    fn list(&mut self, pose: &[Vec3]) {
+        let skin = SKIN * self.longest_m;
+        let pairs = self.pairs_in_boxes(|f| self.bounds(f, pose).loosened(0.5 * skin));
+        let near = |pair: &Pair| pair.near(pair.vertices().map(|v| pose[v])).distance < AHEAD * self.thickness_m + skin;
+        self.listed = pairs.into_par_iter().with_min_len(CHUNK).filter(near).collect();
+        self.listed_at = pose.to_vec();
     }
 
     fn bounds(&self, f: usize, pose: &[Vec3]) -> Aabb {
