@@ -505,7 +505,8 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let growing = self.growing;
         let strength: Vec<f64> =
             foundation.iter().zip(&growing.wavelength_m).map(|(held, wavelength)| held.stiffness * wavelength).collect();
-        let reach = self.material.thickness_m;
+        // Not much more than an edge can tell apart.
+        let reach = self.material.thickness_m.min(0.5 * self.scale.edge_m);
         growing.self_contact.then(|| SelfContact::new(growing.topology, growing.start, reach, LONGEST_MOVE * self.scale.edge_m, &strength))
     }
 

@@ -32,6 +32,10 @@ use crate::shell::tension_field::{FaceHessian, Membrane};
 /// Faces a thread takes at once.
 const CHUNK: usize = 128;
 
+/// For how many iterations a few new couplings may wait, and how many times more there must be of all.
+const PATIENCE: usize = 12;
+const FEW: usize = 12;
+
 /// What holds one vertex to the starting surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foundation {
@@ -78,6 +82,8 @@ pub struct Film<'a> {
     /// Whether touches were looked for at all, and whether they coupled what was not coupled before.
     looked: bool,
     recoupled: bool,
+    /// How often it was linearised since.
+    since: usize,
 }
 
 impl<'a> Film<'a> {
@@ -149,6 +155,7 @@ impl<'a> Film<'a> {
             touches: Vec::new(),
             looked: false,
             recoupled: false,
+            since: 0,
         };
         film.gather(&bending, crests);
         Ok(film)
@@ -310,9 +317,17 @@ impl<'a> Film<'a> {
             found(free(u).next(), free(v).last()) && found(free(u).last(), free(v).next())
         };
         let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| coupled(touch.vertices[k], touch.vertices[l])));
-        if self.touches.iter().all(known) {
+        let missing: Vec<usize> = (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();
+        self.since += 1;
+        if missing.is_empty() {
             return;
         }
+        // Ordering the unknowns anew costs several iterations; a few couplings can wait.
+        if self.since < PATIENCE && FEW * missing.len() < self.touches.len() {
+            missing.into_iter().for_each(|n| self.touches[n].loose = true);
+            return;
+        }
+        self.since = 0;
         let lists: Vec<Vec<usize>> = contact.soon(&self.pose).iter().map(|list| free(list.iter().flat_map(|&v| self.unknown[v]))).collect();
         let (pattern, places) = self.pattern.extended(lists.iter().map(Vec::as_slice));
         let mut constant = vec![0.0; pattern.entry_count()];
@@ -327,7 +342,14 @@ impl<'a> Film<'a> {
 
     /// Adds what touches to the Hessian's values.
     fn add_touches(&self, values: &mut [f64], scale: f64) {
-        for touch in &self.touches {
+        for touch in self.touches.iter().filter(|touch| touch.loose) {
+            // (Σ wₖxₖ)² ≤ Σ|w| · Σ |wₖ|xₖ², and Σ|w| is 2.
+            for (&v, slope) in touch.vertices.iter().zip(&touch.slope).filter(|(_, slope)| **slope != Vec3::zeros()) {
+                let block = slope * slope.transpose() * (2.0 * scale * touch.bend / slope.norm());
+                add_vertex(&self.pattern, &self.unknown[v], &block, values);
+            }
+        }
+        for touch in self.touches.iter().filter(|touch| !touch.loose) {
             for k in 0..12 {
                 for l in 0..=k {
                     let (i, j) = (self.unknown[touch.vertices[k / 3]][k % 3], self.unknown[touch.vertices[l / 3]][l % 3]);

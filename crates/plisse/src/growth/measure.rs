@@ -153,9 +153,13 @@ impl Relief {
         (waves, power)
     }
 
-    /// The folds along the growth, by the highest peak of the spectrum; `None` where there is no relief.
+    /// The folds along the growth, by the highest peak of the spectrum (around something, of that of the slopes); `None` where there is no relief.
     pub fn folds(&self) -> Option<Folds> {
-        let (waves, power) = self.spectrum();
+        let (waves, mut power) = self.spectrum();
+        if self.around {
+            // What goes around may also shift and bend as a whole; folds are what is steep.
+            power.iter_mut().zip(&waves).for_each(|(power, wave)| *power *= wave * wave);
+        }
         let peak = (0..power.len()).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
         if power[peak].is_nan() || power[peak] <= 0.0 {
             return None;

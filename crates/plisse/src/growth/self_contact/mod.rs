@@ -26,7 +26,7 @@ const CHUNK: usize = 256;
 /// Edges count as parallel below this sine, squared.
 const PARALLEL: f64 = 1e-3;
 /// How far ahead, in thicknesses, couplings are foreseen.
-const AHEAD: f64 = 2.0;
+const AHEAD: f64 = 1.5;
 /// How much farther, as a share of the longest move, pairs are listed, so that small moves need no new list.
 const SKIN: f64 = 0.1;
 
@@ -40,6 +40,8 @@ pub(super) struct Touch {
     /// ∂d/∂x of each vertex.
     pub(super) slope: [Vec3; 4],
     pub(super) bend: f64,
+    /// Whether the matrix has no room for its couplings yet: a bound of the Hessian that couples nothing stands for it.
+    pub(super) loose: bool,
 }
 
 /// The contact of a surface with itself.
@@ -86,8 +88,7 @@ impl<'a> SelfContact<'a> {
     /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
     pub(super) fn look(&mut self, pose: &[Vec3]) {
         self.list(pose);
-        let near = |pair: &&Pair| pair.near(pair.vertices().map(|v| pose[v])).distance < AHEAD * self.thickness_m;
-        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter(near).copied().collect();
+        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter(|pair| self.near(pair, pose, 0.0)).copied().collect();
     }
 
     /// The longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves` (`[V]`, m) that may be made; from then on, energies anywhere on
@@ -100,23 +101,25 @@ impl<'a> SelfContact<'a> {
             let from = |v: usize| (pose[v] - listed[v]).norm().max((pose[v] + moves[v] * part - listed[v]).norm());
             listed.len() == pose.len() && (0..pose.len()).all(|v| from(v) <= 0.5 * skin)
         };
-        let fresh;
-        let pairs = if within(pose, &self.listed_at) {
-            &self.listed
-        } else if most * part <= 0.5 * skin {
-            self.list(pose);
-            &self.listed
-        } else {
-            let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-            fresh = self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)));
-            &fresh
+        let listed = within(pose, &self.listed_at) || {
+            let small = most * part <= 0.5 * skin;
+            if small {
+                self.list(pose);
+            }
+            small
         };
         let way = |pair: &Pair| {
             let vertices = pair.vertices();
             let way = advance(pair, vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
-            (way.least_distance < AHEAD * self.thickness_m).then_some((*pair, way.part))
+            let soon = way.part < 1.0 || self.ahead(pair, way.least_distance, 0.0);
+            soon.then_some((*pair, way.part))
         };
-        let ways: Vec<(Pair, f64)> = pairs.par_iter().with_min_len(CHUNK).filter_map(way).collect();
+        let ways: Vec<(Pair, f64)> = if listed {
+            self.listed.par_iter().with_min_len(CHUNK).filter_map(way).collect()
+        } else {
+            let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
+            self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)), |pair| way(&pair))
+        };
         self.candidates.clear();
         self.candidates.extend(ways.iter().map(|(pair, _)| *pair));
         part * ways.iter().map(|(_, part)| *part).fold(1.0, f64::min)
@@ -125,10 +128,18 @@ impl<'a> SelfContact<'a> {
     /// Lists what can be near while nothing moves far from `pose` (`[V]`, m).
     fn list(&mut self, pose: &[Vec3]) {
         let skin = SKIN * self.longest_m;
-        let pairs = self.pairs_in_boxes(|f| self.bounds(f, pose).loosened(0.5 * skin));
-        let near = |pair: &Pair| pair.near(pair.vertices().map(|v| pose[v])).distance < AHEAD * self.thickness_m + skin;
-        self.listed = pairs.into_par_iter().with_min_len(CHUNK).filter(near).collect();
+        let near = |pair: Pair| self.near(&pair, pose, skin).then_some(pair);
+        self.listed = self.pairs_in_boxes(|f| self.bounds(f, pose).loosened(0.5 * skin), near);
         self.listed_at = pose.to_vec();
+    }
+
+    /// Whether a pair touches at `pose` (`[V]`, m) or soon may, or both within `skin` (m) of that.
+    fn near(&self, pair: &Pair, pose: &[Vec3], skin: f64) -> bool {
+        self.ahead(pair, pair.near(pair.vertices().map(|v| pose[v])).distance, skin)
+    }
+
+    fn ahead(&self, pair: &Pair, distance: f64, skin: f64) -> bool {
+        distance < AHEAD * self.thickness_m + skin && distance < AHEAD * self.thickness_m(pair) + skin
     }
 
     fn bounds(&self, f: usize, pose: &[Vec3]) -> Aabb {
@@ -138,32 +149,33 @@ impl<'a> SelfContact<'a> {
         Aabb::new(a.min(b).min(c) - half, a.max(b).max(c) + half)
     }
 
-    /// All pairs whose faces' boxes meet, each once, in a fixed order.
-    fn pairs_in_boxes(&self, bounds: impl Fn(usize) -> Aabb + Sync + Send) -> Vec<Pair> {
+    /// What `keep` makes of all pairs whose faces' boxes meet, each once, in a fixed order.
+    fn pairs_in_boxes<T: Send>(
+        &self,
+        bounds: impl Fn(usize) -> Aabb + Sync + Send,
+        keep: impl Fn(Pair) -> Option<T> + Sync + Send,
+    ) -> Vec<T> {
         let count = self.topology.face_count();
         let boxes: Vec<Aabb> = (0..count).into_par_iter().with_min_len(CHUNK).map(bounds).collect();
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        let of_face = |f: usize| -> Vec<Pair> {
+        let of_face = |f: usize| -> Vec<T> {
             let mut others: Vec<usize> = tree.intersect_aabb(&boxes[f]).map(|g| g as usize).filter(|&g| g > f).collect();
             others.sort_unstable();
-            let mut pairs = Vec::new();
-            others.into_iter().for_each(|g| self.pairs_of_faces(f, g, &mut pairs));
-            pairs
+            let mut kept = Vec::new();
+            others.into_iter().for_each(|g| self.pairs_of_faces(f, g, &mut |pair| kept.extend(keep(pair))));
+            kept
         };
         (0..count).into_par_iter().with_min_len(CHUNK).flat_map_iter(of_face).collect()
     }
 
     /// The pairs for which the faces `f` and `g` speak.
-    fn pairs_of_faces(&self, f: usize, g: usize, pairs: &mut Vec<Pair>) {
+    fn pairs_of_faces(&self, f: usize, g: usize, visit: &mut impl FnMut(Pair)) {
         let faces = &self.topology.faces;
         for (from, to) in [(f, g), (g, f)] {
             let [a, b, c] = faces[to];
-            pairs.extend(
-                faces[from]
-                    .into_iter()
-                    .filter(|&v| self.speaker[v] == from && v != a && v != b && v != c)
-                    .map(|v| Pair::VertexFace([v, a, b, c])),
-            );
+            for v in faces[from].into_iter().filter(|&v| self.speaker[v] == from && v != a && v != b && v != c) {
+                visit(Pair::VertexFace([v, a, b, c]));
+            }
         }
         let own = |f: usize| self.topology.face_edges[f].into_iter().filter(move |&e| self.topology.edge_faces[e][0] == f);
         for first in own(f) {
@@ -171,7 +183,7 @@ impl<'a> SelfContact<'a> {
             for second in own(g) {
                 let [c, d] = self.topology.edges[second];
                 if a != c && a != d && b != c && b != d {
-                    pairs.push(Pair::Edges([a, b, c, d]));
+                    visit(Pair::Edges([a, b, c, d]));
                 }
             }
         }
@@ -214,7 +226,7 @@ impl<'a> SelfContact<'a> {
                 let (factor, slant) = self.slant(pair, x);
                 let slope = near.weights.map(|w| near.normal * w);
                 let gradient = std::array::from_fn(|k| slope[k] * (down * factor) + slant[k] * (value * thickness_m));
-                Touch { vertices, gradient, slope, bend: factor * bend / thickness_m }
+                Touch { vertices, gradient, slope, bend: factor * bend / thickness_m, loose: false }
             })
         };
         self.candidates.par_iter().with_min_len(CHUNK).filter_map(of_pair).collect()
@@ -222,10 +234,7 @@ impl<'a> SelfContact<'a> {
 
     /// The vertices of all pairs that touch at `pose` (`[V]`, m) or soon may.
     pub(super) fn soon(&self, pose: &[Vec3]) -> Vec<[usize; 4]> {
-        let near = |pair: &Pair| {
-            let vertices = pair.vertices();
-            (pair.near(vertices.map(|v| pose[v])).distance < AHEAD * self.thickness_m).then_some(vertices)
-        };
+        let near = |pair: &Pair| self.near(pair, pose, 0.0).then(|| pair.vertices());
         self.candidates.par_iter().with_min_len(CHUNK).filter_map(near).collect()
     }
 
