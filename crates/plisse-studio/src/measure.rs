@@ -15,7 +15,7 @@ use crate::view::View;
 const SIDE: usize = 317;
 /// Frames that are measured with the window idle.
 const FRAMES: usize = 60;
-/// Pictures of each view.
+/// Pictures of each view in the table.
 const PICTURES: usize = 5;
 
 /// What one view took, in milliseconds.
@@ -33,11 +33,12 @@ pub struct Row {
     pub render_ms: f32,
 }
 
-/// Runs the program without a window on a sheet of about 100,000 vertices, `gpu`: whether it may use one.
+/// Runs the program without a window on a sheet of about 100,000 vertices, with some `pictures` of each of the `views`; `gpu`: whether it
+/// may use one. Also the name of what drew.
 ///
 /// # Errors
 /// [`Error::Numeric`] if no picture comes.
-pub fn rows(gpu: bool) -> Result<(Vec<Row>, String)> {
+pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, String)> {
     let mut studio = Studio::new(Start { gpu, keep: None, wake: Arc::new(|| {}) })?;
     let sheet = Subject::new(Source::Own("sheet".into()), models::sheet(SIDE, SIDE));
     studio.show(Document::new(sheet), None);
@@ -58,10 +59,10 @@ pub fn rows(gpu: bool) -> Result<(Vec<Row>, String)> {
         begun.elapsed().as_secs_f32() * 1e3
     };
     let mut rows = Vec::new();
-    for view in View::MAIN {
+    for &view in views {
         studio.view = view;
         let (mut longest_ms, mut stages_ms, mut render_ms) = (0f32, Vec::new(), Vec::new());
-        for _ in 0..PICTURES {
+        for _ in 0..pictures {
             studio.table.orbit(0.02, 0.0);
             studio.sheet = None;
             let begun = Instant::now();
@@ -100,7 +101,7 @@ fn median(mut list: Vec<f32>) -> f32 {
 /// # Errors
 /// As [`rows`].
 pub fn run(gpu: bool) -> Result<()> {
-    let (rows, device) = rows(gpu)?;
+    let (rows, device) = rows(gpu, &View::MAIN, PICTURES)?;
     let mut text = format!("{} vertices; drawn by {device}\n\n", SIDE * SIDE);
     text += "| view | frame, idle (ms) | longest frame (ms) | stages (ms) | drawing (ms) |\n|---|---|---|---|---|\n";
     for row in rows {

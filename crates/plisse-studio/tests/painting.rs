@@ -34,7 +34,9 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
     let unified = document.subject.unified.clone();
     let x = unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
-    for (layer, value) in [(Layer::Wrinkles, 0.6), (Layer::Wavelength, 0.3), (Layer::Expansion, 0.5), (Layer::Coherence, 0.2), (Layer::Freeze, 1.0)] {
+    for (layer, value) in
+        [(Layer::Wrinkles, 0.6), (Layer::Wavelength, 0.3), (Layer::Expansion, 0.5), (Layer::Coherence, 0.2), (Layer::Freeze, 1.0)]
+    {
         let before = document.layers.clone();
         let brush = Brush { layer, value, strength: 0.8, ..Brush::new(0.17) };
         stroke(&mut document, &brush, &x, &camera, [0.3, 0.4], [0.65, 0.6]);
@@ -108,7 +110,8 @@ fn one_stroke_goes_no_farther_than_its_strength() {
     for k in 0..10 {
         trail.go(&canvas, &mut document.layers, &camera, Vec2::new(if k % 2 == 0 { 0.6 } else { 0.4 }, 0.5));
     }
-    document.push(trail.end(&canvas, &mut document.layers, &camera));
+    let change = trail.end(&canvas, &mut document.layers, &camera);
+    document.push(change);
     let most = document.layers.of(Layer::Freeze).iter().map(|v| v[0]).fold(0.0, f32::max);
     assert_eq!(most, 0.5);
 }
@@ -136,7 +139,9 @@ fn angles(name: &str, time_s: Option<f32>, from: [f32; 2], to: [f32; 2], yaw: f3
     for (v, _, after) in &change.vertices {
         let v = *v as usize;
         // Where the stroke is strong, and away from its ends.
-        let near = (0..dabs.len()).min_by(|&a, &b| (dabs[a] - posed.positions[v]).norm().total_cmp(&(dabs[b] - posed.positions[v]).norm())).unwrap();
+        let near = (0..dabs.len())
+            .min_by(|&a, &b| (dabs[a] - posed.positions[v]).norm().total_cmp(&(dabs[b] - posed.positions[v]).norm()))
+            .unwrap();
         if Vec3::new(after[0], after[1], after[2]).norm() < 0.6 || near == 0 || near + 1 == dabs.len() {
             continue;
         }

@@ -88,7 +88,7 @@ impl Studio {
 
     fn pointer(&mut self, ui: &Ui, response: &egui::Response, rect: Rect) {
         let at = |p: Pos2| Vec2::new((p.x - rect.left()) / rect.width(), (p.y - rect.top()) / rect.height());
-        let (modifiers, scroll, pinch) = ui.input(|i| (i.modifiers, i.smooth_scroll_delta().y, i.zoom_delta()));
+        let (modifiers, scroll, pinch) = ui.input(|i| (i.modifiers, i.smooth_scroll_delta.y, i.zoom_delta()));
         let delta = response.drag_delta() / rect.height().max(1.0);
         let primary = response.dragged_by(egui::PointerButton::Primary);
         let can_paint = self.tab == Tab::Paint && !modifiers.alt;

@@ -227,8 +227,8 @@ impl Studio {
             });
         }
         if scene.load.pressure_pa != 0.0 {
-            let mut pressure = scene.load.pressure_pa;
-            if number(ui, "pressure", " Pa", &mut pressure, 0.02 * pressure.abs(), "inside, above that outside (Pa)") {
+            let (mut pressure, speed) = (scene.load.pressure_pa, 0.02 * scene.load.pressure_pa.abs());
+            if number(ui, "pressure", " Pa", &mut pressure, speed, "inside, above that outside (Pa)") {
                 edit = Some(Edit::Pressure(pressure));
             }
         }

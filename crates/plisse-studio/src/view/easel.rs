@@ -29,7 +29,7 @@ const RATE: f32 = 60.0;
 const MOST_STEPS: usize = 8;
 
 /// A surface that stands still: solved, or grown.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Solid {
     /// Faces with their waves, one for each of the mesh's.
     pub coarse: Vec<[Corner; 3]>,

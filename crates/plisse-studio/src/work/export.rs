@@ -24,6 +24,8 @@ use crate::document::{Document, Layer};
 
 /// Parts of a wave that edges of wrinkled geometry are divided into.
 const PER_WAVE: f32 = 6.0;
+/// Texels by which islands of maps are grown, as `plisse bake` has it.
+const PADDING: usize = 8;
 /// Colour of surfaces in GLB files (linear RGBA).
 const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
 
@@ -171,7 +173,7 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     let subject = &document.subject;
     let (state, drawn, options) = played(document)?;
     let profile = document.settings.profile.profile();
-    let baked = bake::bake(&subject.model, &subject.unified, &drawn, &state, &profile, &Options { size, ..Options::default() })?;
+    let baked = bake::bake(&subject.model, &subject.unified, &drawn, &state, &profile, &Options { size, padding: PADDING })?;
     let scale_m = f64::from(bake::largest_height_m(&options.wavelength_m, &profile)).max(f64::MIN_POSITIVE);
     let mut folder = OutputFolder::create(path)?;
     folder.write("normal.png", |out| png16::write_normal(out, &baked))?;
