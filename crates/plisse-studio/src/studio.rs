@@ -22,8 +22,9 @@ use crate::panels::take::Taking;
 use crate::view::easel::texture_of;
 use crate::view::{Easel, Order, Sheet, Shown, Turntable, View};
 
-/// Pictures after a change until the phases have settled.
-const SETTLE: usize = 30;
+/// Pictures after a change until the phases have settled, and steps of the stages in each.
+const SETTLE: usize = 5;
+const SETTLE_STEPS: usize = 8;
 /// A picture that took longer (ms) is drawn at half the size while things move.
 const SLOW_MS: f32 = 45.0;
 
@@ -477,7 +478,7 @@ impl Studio {
             Looking::Solved => self.physics.solid(),
             Looking::Grown => self.growth.solid(),
         };
-        let moves = self.moving || self.playing || self.trail.is_some();
+        let moves = self.moving || self.playing || self.trail.is_some() || self.settle > 1;
         let slow = self.sheet.as_ref().is_some_and(|s| s.stage_ms[4] > SLOW_MS || s.image.width * 2 < self.size[0] + 2);
         let size = if moves && slow { self.size.map(|s| (s / 2).max(1)) } else { self.size };
         let shown = match &solid {
@@ -520,6 +521,7 @@ impl Studio {
             colour: Vec3::from(colour),
             texture: Arc::clone(&self.texture),
             layer,
+            steps: if self.settle > 0 && !self.playing { SETTLE_STEPS } else { 1 },
             lose_device: std::mem::take(&mut self.lose_device),
         });
         self.cached.ordered = Some(key);

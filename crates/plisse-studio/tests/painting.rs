@@ -117,14 +117,14 @@ fn one_stroke_goes_no_farther_than_its_strength() {
 }
 
 /// Angles (degrees) between crests and the stroke's way at the vertices where the stroke is strong, in the pose that was painted on.
-fn angles(name: &str, time_s: Option<f32>, from: [f32; 2], to: [f32; 2], yaw: f32, wavelength_m: f32) -> Vec<f32> {
+fn angles(name: &str, time_s: Option<f32>, (from, to, share): ([f32; 2], [f32; 2], f32), wavelength_m: f32) -> Vec<f32> {
     let mut document = document(name);
     let subject = document.subject.clone();
     let clip = time_s.and_then(|_| subject.model.clips.first());
     let standing = pose(&subject.model, clip, time_s.unwrap_or(0.0));
     let posed = skin(&subject.unified.vertices, &standing);
-    let camera = Camera::fit(posed.positions.iter(), yaw, 0.1, 1.2);
-    let radius_m = 0.14 * subject.size_m();
+    let camera = Camera::fit(posed.positions.iter(), 0.1, 0.1, 1.2);
+    let radius_m = share * subject.size_m();
     let brush = Brush { value: 0.9, ..Brush::new(radius_m) };
     document.settings.wavelength_m = wavelength_m;
     stroke(&mut document, &brush, &posed.positions, &camera, from, to);
@@ -154,18 +154,33 @@ fn angles(name: &str, time_s: Option<f32>, from: [f32; 2], to: [f32; 2], yaw: f3
     found
 }
 
+/// Where a pose compresses strongly by itself, wrinkles turn towards that: on the sleeve bent by 50 degrees (0.5 s) the largest of these
+/// angles is 10.1 degrees. Up to there, what is painted decides.
 #[test]
 fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
-    let strokes = [([0.3, 0.25], [0.32, 0.75]), ([0.35, 0.3], [0.65, 0.7]), ([0.3, 0.5], [0.7, 0.48]), ([0.62, 0.3], [0.4, 0.68])];
-    for (name, wavelength_m, yaw) in [("curtain", 0.12, 0.2), ("sleeve", 0.025, 0.0)] {
-        for (k, (from, to)) in strokes.into_iter().enumerate() {
-            // On the sleeve, strokes stay where it is seen from the front.
-            let squeeze = |p: [f32; 2]| if name == "sleeve" { [p[0], 0.5 + 0.12 * (p[1] - 0.5)] } else { p };
-            let found = angles(name, None, squeeze(from), squeeze(to), yaw, wavelength_m);
-            let most = found.iter().copied().fold(0.0, f32::max);
-            println!("{name}, stroke {k}, rest: {} vertices, largest angle {most:.2} degrees", found.len());
-            assert!(found.len() >= 4, "{name}, stroke {k}: {}", found.len());
-            assert!(most < 10.0, "{name}, stroke {k}: {most} degrees");
+    let curtain = [
+        ([0.3, 0.25], [0.32, 0.75], 0.14),
+        ([0.35, 0.3], [0.65, 0.7], 0.14),
+        ([0.3, 0.5], [0.7, 0.48], 0.14),
+        ([0.62, 0.3], [0.4, 0.68], 0.14),
+    ];
+    let sleeve = [
+        ([0.25, 0.5], [0.75, 0.5], 0.06),
+        ([0.3, 0.47], [0.7, 0.53], 0.06),
+        ([0.5, 0.44], [0.5, 0.56], 0.06),
+        ([0.6, 0.45], [0.45, 0.55], 0.06),
+    ];
+    for (name, wavelength_m, strokes, times) in
+        [("curtain", 0.12, curtain, [None, Some(0.5), Some(1.0)]), ("sleeve", 0.025, sleeve, [None, Some(0.15), Some(0.3)])]
+    {
+        for time_s in times {
+            for (k, stroke) in strokes.into_iter().enumerate() {
+                let found = angles(name, time_s, stroke, wavelength_m);
+                let most = found.iter().copied().fold(0.0, f32::max);
+                println!("{name}, {time_s:?} s, stroke {k}: {} vertices, largest angle {most:.2} degrees", found.len());
+                assert!(found.len() >= 3, "{name}, {time_s:?}, stroke {k}: {}", found.len());
+                assert!(most < 10.0, "{name}, {time_s:?}, stroke {k}: {most} degrees");
+            }
         }
     }
     // Shown to fail: across the stroke is not along it.
@@ -216,7 +231,7 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
     assert_eq!(json["strokes"].as_array().unwrap().len(), 3);
     for (from, to, part) in [
         ("\"plisse_studio\":1", "\"plisse_studio\":9", "later version"),
-        ("\"vertices\":92", "\"vertices\":7", "old model file"),
+        ("\"vertices\":89", "\"vertices\":7", "old model file"),
         ("\"own\":\"curtain\"", "\"own\":\"couch\"", "couch"),
         ("{", "", "no JSON"),
         ("\"settings\"", "\"settinks\"", "not as it should be"),

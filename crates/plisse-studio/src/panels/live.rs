@@ -15,7 +15,7 @@ impl Studio {
         } else {
             let settings = &mut self.document.settings;
             let chosen = settings.clip.clone().unwrap_or_else(|| "rest pose".into());
-            ComboBox::from_id_salt("clip").selected_text(chosen).width(180.0).show_ui(ui, |ui| {
+            ComboBox::from_label("clip").selected_text(chosen).width(180.0).show_ui(ui, |ui| {
                 ui.selectable_value(&mut settings.clip, None, "rest pose");
                 for (name, _) in &clips {
                     ui.selectable_value(&mut settings.clip, Some(name.clone()), name);

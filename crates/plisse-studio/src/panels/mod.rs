@@ -47,7 +47,8 @@ impl Studio {
                 Tab::TakeAway => self.take_panel(ui),
             });
         });
-        CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.canvas(ui));
+        let plain = egui::Frame::NONE.fill(ui.visuals().panel_fill);
+        CentralPanel::default().frame(plain).show(ui, |ui| self.canvas(ui));
         self.questions(&ctx);
         self.browse(&ctx);
         self.advance(&ctx, now_s);

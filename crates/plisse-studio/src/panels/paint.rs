@@ -13,7 +13,7 @@ impl Studio {
         ui.heading("Layer");
         let mut layer = self.brush.layer;
         for choice in Layer::ALL {
-            let painted = if self.document.layers.is_painted(choice) { "  ●" } else { "" };
+            let painted = if self.document.layers.is_painted(choice) { " (painted)" } else { "" };
             ui.radio_value(&mut layer, choice, format!("{}{painted}", choice.name())).on_hover_text(tip(choice));
         }
         if layer != self.brush.layer {

@@ -174,7 +174,7 @@ impl Studio {
         let named =
             FABRICS.iter().find(|f| (f.young_pa, f.poisson, f.thickness_m) == (material.young_pa, material.poisson, material.thickness_m));
         let mut edit = None;
-        ComboBox::from_id_salt("fabric").selected_text(named.map_or("own constants", |f| f.name)).width(250.0).show_ui(ui, |ui| {
+        ComboBox::from_label("sheet").selected_text(named.map_or("own constants", |f| f.name)).width(230.0).show_ui(ui, |ui| {
             for fabric in &FABRICS {
                 if ui.selectable_label(Some(fabric) == named, fabric.name).on_hover_text(fabric.source).clicked() {
                     edit = Some(Edit::fabric(fabric));

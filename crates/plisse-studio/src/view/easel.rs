@@ -86,6 +86,8 @@ pub struct Order {
     pub texture: Arc<Texture>,
     /// `[U]` numbers of the layer that the view shows, or empty.
     pub layer: Arc<Vec<[f32; 4]>>,
+    /// Steps of the stages at least, for phases that have yet to settle.
+    pub steps: usize,
     /// Takes the GPU away first, as if it had been lost; for tests.
     pub lose_device: bool,
 }
@@ -224,7 +226,7 @@ impl Bench {
         let mut ms = [0.0; 5];
         match &order.shown {
             Shown::Live { subject, options, clip, time_s } => {
-                let drawn = self.step(subject, options, clip.as_deref(), *time_s, &mut ms);
+                let drawn = self.step(order, (subject, options, clip.as_deref(), *time_s), &mut ms);
                 let begun = Instant::now();
                 let wrinkled = gather(&subject.model, &subject.unified, &self.state.posed, &drawn, &self.state.crushed, &self.state.phase);
                 ms[3] = milliseconds(begun);
@@ -262,8 +264,9 @@ impl Bench {
         }
     }
 
-    /// Runs the stages up to `time_s`; the posed draw vertices.
-    fn step(&mut self, subject: &Arc<Subject>, options: &LiveOptions, clip: Option<&str>, time_s: f32, ms: &mut [f32; 5]) -> Skinned {
+    /// Runs the stages up to a time of a clip; the posed draw vertices.
+    fn step(&mut self, order: &Order, live: (&Arc<Subject>, &LiveOptions, Option<&str>, f32), ms: &mut [f32; 5]) -> Skinned {
+        let (subject, options, clip, time_s) = live;
         if self.subject.as_ref().is_none_or(|s| !Arc::ptr_eq(s, subject)) {
             self.subject = Some(Arc::clone(subject));
             self.state = LiveState::default();
@@ -271,7 +274,7 @@ impl Bench {
         }
         let clip = clip.and_then(|name| subject.model.clip(Some(name)));
         let way = time_s - self.time_s;
-        let steps = if way > 0.0 { ((way * RATE - 1e-3).ceil() as usize).clamp(1, MOST_STEPS) } else { 1 };
+        let steps = if way > 0.0 { ((way * RATE - 1e-3).ceil() as usize).clamp(1, MOST_STEPS) } else { 1 }.max(order.steps);
         let from = if way > 0.0 { self.time_s } else { time_s };
         let mut begun = Instant::now();
         for k in 1..=steps {

@@ -121,7 +121,9 @@ fn rename_value(value: &mut Value, is_path: bool, folder: &Path, named: &mut BTr
                 name = format!("_{name}");
             }
             named.insert(name.clone(), from);
+            let around = value.decor().clone();
             *value = Value::from(name);
+            *value.decor_mut() = around;
         }
         Value::InlineTable(inner) => rename(inner, folder, named),
         Value::Array(list) => list.iter_mut().for_each(|v| rename_value(v, false, folder, named)),
