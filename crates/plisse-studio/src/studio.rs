@@ -90,6 +90,7 @@ pub struct Studio {
     /// Where it is saved.
     pub path: Option<PathBuf>,
     pub(crate) saved_revision: u64,
+    saved_settings: Settings,
     pub(crate) surface: Arc<Surface>,
     pub(crate) easel: Easel,
     /// The last picture.
@@ -215,6 +216,7 @@ impl Studio {
             frame_ms: 0.0,
             path: None,
             saved_revision: 0,
+            saved_settings: document.settings.clone(),
             document,
         };
         let document = studio.document.clone();
@@ -238,6 +240,10 @@ impl Studio {
         self.brush = Brush { radius_m: 0.12 * subject.size_m(), ..Brush::new(0.1) };
         self.choose_layer(layer);
         (self.saved_revision, self.path) = (document.revision, path);
+        self.saved_settings = document.settings.clone();
+        if matches!(self.view, View::Painted(_) | View::Expansion) {
+            self.view = View::Wrinkled;
+        }
         (self.trail, self.looking, self.playing) = (None, Looking::Live, !subject.model.clips.is_empty());
         self.tab = if subject.scene.is_some() && self.tab == Tab::Live { Tab::Physics } else { self.tab };
         self.document = document;
@@ -263,14 +269,16 @@ impl Studio {
 
     /// Whether there is something that is not saved.
     pub fn is_unsaved(&self) -> bool {
-        self.document.revision != self.saved_revision
+        // Playing changes nothing that would have to be saved.
+        let still = |s: &Settings| Settings { time_s: 0.0, clip: None, ..s.clone() };
+        self.document.revision != self.saved_revision || still(&self.document.settings) != still(&self.saved_settings)
     }
 
     /// Saves to `path`.
     pub fn save(&mut self, path: &Path) {
         match open::save(&self.document, path) {
             Ok(()) => {
-                self.saved_revision = self.document.revision;
+                (self.saved_revision, self.saved_settings) = (self.document.revision, self.document.settings.clone());
                 self.path = Some(path.to_path_buf());
                 self.guard.clear();
                 self.messages.note(format!("saved {}", path.display()));

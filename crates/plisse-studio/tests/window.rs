@@ -330,6 +330,48 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
 }
 
 #[test]
+fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
+    let folder = folder("choose");
+    let mut harness = window(studio(false, None));
+    harness.state_mut().playing = false;
+    harness.state_mut().tab = Tab::Paint;
+    settle(&mut harness);
+    harness.state_mut().brush.radius_m = 0.4;
+    drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
+    let painted = numbers(harness.state());
+    assert!(harness.state().is_unsaved());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.step();
+    harness.step();
+    let path = folder.join("mine.plisse.json");
+    write_name(&mut harness, &path);
+    press(&mut harness, "Save");
+    harness.step();
+    assert!(path.is_file() && !harness.state().is_unsaved(), "{:?}", harness.state().messages.last());
+    harness.state_mut().show_own("sleeve");
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.step();
+    harness.step();
+    write_name(&mut harness, &path);
+    press(&mut harness, "Open");
+    harness.step();
+    assert_eq!(numbers(harness.state()), painted);
+    assert_eq!(harness.state().path.as_deref(), Some(path.as_path()));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Replaces what stands in the field of the window in which files are chosen.
+fn write_name(harness: &mut Harness<'static, Studio>, path: &Path) {
+    harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "File:").focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.event(egui::Event::Text(path.display().to_string()));
+    harness.step();
+}
+
+#[test]
 fn what_a_killed_program_left_is_recovered() {
     let folder = folder("recover");
     let mut harness = window(studio(false, Some(folder.clone())));

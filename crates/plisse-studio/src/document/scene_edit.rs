@@ -1,10 +1,10 @@
 //! Changes of a scene's text: constants and clamps, with everything else, comments too, as it was.
 
-use plisse::scene::{build, parse};
+use plisse::scene::parse;
 use plisse::{Error, Result};
 use toml_edit::{Array, DocumentMut, Item, Value, value};
 
-use super::subject::SceneText;
+use super::subject::{SceneText, ready};
 use crate::fabrics::Fabric;
 
 /// A change that the Physics panel makes.
@@ -40,7 +40,7 @@ impl Edit {
 /// `scene` with `edit`.
 ///
 /// # Errors
-/// As [`parse`] and [`build`]: the change may be one that cannot be.
+/// As [`parse`] and [`ready`]: the change may be one that cannot be.
 pub fn edited(scene: &SceneText, edit: &Edit) -> Result<SceneText> {
     let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
     let mut document: DocumentMut = scene.text.parse().map_err(|e| bad(&e))?;
@@ -73,7 +73,7 @@ pub fn edited(scene: &SceneText, edit: &Edit) -> Result<SceneText> {
     }
     let text = document.to_string();
     let parsed = parse(&scene.scene.file, &text)?;
-    let built = std::sync::Arc::new(build(&parsed)?);
+    let built = std::sync::Arc::new(ready(&parsed)?);
     Ok(SceneText { text, scene: parsed, built })
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use plisse::scene::{Built, Scene, build, parse};
+use plisse::scene::{Built, Scene, build, build_growth, parse};
 use plisse::{Error, Result};
 use plisse_live::model::{Model, Vertices};
 use plisse_live::unify::{Unified, fill_normals, vertex_normals};
@@ -83,7 +83,7 @@ impl Subject {
     /// As [`parse`] and [`build`].
     pub fn scene(path: PathBuf, text: String) -> Result<Self> {
         let scene = parse(&path, &text)?;
-        let built = build(&scene)?;
+        let built = ready(&scene)?;
         let notes = built.notes.clone();
         let (model, unified) = laid(&built);
         let scene = SceneText { text, scene, built: Arc::new(built) };
@@ -100,6 +100,17 @@ impl Subject {
         let [low, high] = bounds(&self.unified.vertices.positions);
         (high - low).norm().max(1e-6)
     }
+}
+
+/// `scene` ready for the solvers; one that only grows need not be held.
+///
+/// # Errors
+/// As [`build`].
+pub fn ready(scene: &Scene) -> Result<Built> {
+    build(scene).or_else(|error| match &scene.growth {
+        Some(_) => build_growth(scene).map(|grown| grown.built),
+        None => Err(error),
+    })
 }
 
 /// Lowest and highest corner of the finite `positions`; zeros without any.

@@ -44,13 +44,10 @@ impl Studio {
             Tab::Paint => "drag on the surface: paint   right drag: turn   middle drag: move   wheel: nearer",
             _ => "drag: turn   middle or shift drag: move   wheel: nearer   double click: fit",
         };
-        painter.text(
-            rect.right_bottom() - vec2(10.0, 8.0),
-            Align2::RIGHT_BOTTOM,
-            hint,
-            FontId::proportional(11.5),
-            INK.gamma_multiply(0.75),
-        );
+        let text = painter.layout_no_wrap(hint.to_owned(), FontId::proportional(11.5), INK.gamma_multiply(0.85));
+        let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), text.size());
+        painter.rect_filled(place.expand2(vec2(6.0, 2.0)), 4.0, Color32::from_white_alpha(200));
+        painter.galley(place.min, text, INK);
     }
 
     /// The row of views above the picture.

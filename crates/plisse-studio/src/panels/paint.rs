@@ -41,7 +41,7 @@ impl Studio {
         let name = match layer {
             Layer::Wrinkles => "amount",
             Layer::Wavelength => "share of the wavelength",
-            Layer::Expansion => "growth (1 is twice as long)",
+            Layer::Expansion => "growth",
             Layer::Coherence => "length",
             Layer::Freeze => "frozen",
         };
@@ -102,7 +102,7 @@ fn tip(layer: Layer) -> &'static str {
     match layer {
         Layer::Wrinkles => "wrinkles that are there in the rest pose; the surface counts as shorter by the square of the amount",
         Layer::Wavelength => "share of the wavelength, 0.05 to 1",
-        Layer::Expansion => "by how much the surface shall grow (factor of length − 1)",
+        Layer::Expansion => "by how much the surface shall grow (1 is twice as long)",
         Layer::Coherence => "how far the crests of folds run straight (m)",
         Layer::Freeze => "what is frozen from one half on does not move when it grows",
     }

@@ -31,7 +31,12 @@ pub struct Scene<'a> {
     pub amplitude_m: &'a [f32],
     /// `[U]` numbers of the layer that the view shows, or empty.
     pub layer: &'a [[f32; 4]],
+    /// Where the viewer is (m).
+    pub eye: Vec3,
 }
+
+/// How much of the light on faces whose colours are numbers comes from where they face; the rest is even, so that colours can be read.
+const RELIEF: f32 = 0.3;
 
 /// Faces for `view`, the scale they are drawn with, and what its colours mean.
 pub fn faces(scene: &Scene<'_>, view: View) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
@@ -65,7 +70,14 @@ fn legend(title: &str, ticks: [String; 3], colours: Scale) -> Legend {
 fn each(scene: &Scene<'_>, uvs: impl Fn(usize) -> [Vec2; 3]) -> Vec<[Corner; 3]> {
     let of = |(f, face): (usize, &[Corner; 3])| {
         let uvs = uvs(f);
-        [0, 1, 2].map(|k| Corner { uv: uvs[k], amplitude_m: 0.0, ..face[k] })
+        let up = (face[1].position - face[0].position).cross(&(face[2].position - face[0].position));
+        // Renderers turn the normals of faces seen from behind.
+        let sign = if up.dot(&(scene.eye - face[0].position)) < 0.0 { -1.0 } else { 1.0 };
+        [0, 1, 2].map(|k| {
+            let to_viewer = (scene.eye - face[k].position).try_normalize(1e-20).unwrap_or_else(Vec3::z);
+            let normal = face[k].normal * RELIEF + to_viewer * (sign * (1.0 - RELIEF));
+            Corner { uv: uvs[k], amplitude_m: 0.0, normal: normal.try_normalize(1e-6).unwrap_or(face[k].normal), ..face[k] }
+        })
     };
     scene.wrinkled.iter().enumerate().map(of).collect()
 }

@@ -238,6 +238,7 @@ impl Bench {
                     posed: &state.posed,
                     amplitude_m: &state.crushed.amplitude_m,
                     layer: &order.layer,
+                    eye: order.camera.eye,
                 };
                 let error = mean_phase_error(&subject.unified, &state.posed.positions, &state.crushed, &state.phase);
                 let marks = marks(order, &scene, &state.crushed.wave, &state.crushed.strength);
@@ -253,6 +254,7 @@ impl Bench {
                     posed: &solid.posed,
                     amplitude_m: &solid.amplitude_m,
                     layer: &order.layer,
+                    eye: order.camera.eye,
                 };
                 let most = solid.amplitude_m.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
                 let strength: Vec<f32> = solid.amplitude_m.iter().map(|a| a / most).collect();

@@ -73,7 +73,8 @@ impl Pencil {
         let texture = Scale::ALL.iter().position(|s| *s == scale).unwrap_or(0);
         let plain = scale != Scale::Base;
         let parallax = look.parallax && !plain;
-        let colour = if plain { plisse_live::Vec3::repeat(1.0) } else { look.colour };
+        // As bright as the legend, in the light that falls on it.
+        let colour = if plain { plisse_live::Vec3::repeat(1.2) } else { look.colour };
         let look = Look { profile: look.profile, texture: &self.textures[texture], colour, parallax };
         if let Some(device) = &mut self.device {
             match device.draw(&self.textures, faces, texture, &look, camera, size) {

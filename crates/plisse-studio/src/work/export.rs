@@ -17,7 +17,7 @@ use plisse_live::{bake, bias};
 
 use super::grow::Grown;
 use super::job::Reporter;
-use super::solve::SolvedScene;
+use super::solve::{SolvedScene, fine_surface, levels_in_files};
 use crate::document::maps::{paint_map, write_png};
 use crate::document::subject::shown;
 use crate::document::{Document, Layer};
@@ -134,7 +134,11 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
                 faces,
             }
         }
-        Source::Solved(solved, _) => plain(&solved.fine.topology, &solved.wrinkled),
+        Source::Solved(solved, _) => {
+            let levels = levels_in_files(&solved.built, &solved.field);
+            let (fine, wrinkled) = fine_surface(&solved.built, &solved.pose, &solved.field, levels);
+            plain(&fine.topology, &wrinkled)
+        }
         Source::Grown(grown, document) if document.subject.scene.is_some() => plain(&grown.topology, &grown.pose),
         Source::Grown(grown, _) => {
             // The model's own axes.

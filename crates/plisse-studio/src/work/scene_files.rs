@@ -9,22 +9,19 @@ use plisse::field::{WrinkleField, curvature::vertex_normals, solve};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::mesh::subdivide::refine_rest;
-use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::mesh::{Vec2, Vec3};
 use plisse::progress::Observer;
-use plisse::scene::{Built, MOST_LEVELS};
+use plisse::scene::Built;
 use plisse::shell::solve_base;
-use plisse::surface::suggest_levels;
 use plisse::{Error, Result};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::job::Reporter;
-use super::solve::{fine_surface, median_wavelength_m};
+use super::solve::{fine_surface, levels_in_files};
 use crate::document::SceneText;
 
 /// Colour of the wrinkled surface in files (linear RGBA), as `plisse solve` has it.
 const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
-/// Most faces of a fine surface, as `plisse solve` has it.
-const FACE_LIMIT: usize = 20_000_000;
 
 type Texture = (Vec<Vec2>, Vec<[usize; 3]>);
 
@@ -54,15 +51,9 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
     out.commit()
 }
 
-fn most_levels(topology: &Topology) -> usize {
-    let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
-    (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0)
-}
-
 fn meshes(out: &mut OutputFolder, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Result<()> {
     let topology = &built.topology;
-    let suggested = || suggest_levels(topology, &built.rest, median_wavelength_m(built, field)).min(most_levels(topology));
-    let levels = built.levels.unwrap_or_else(suggested);
+    let levels = levels_in_files(built, field);
     let (fine, wrinkled) = fine_surface(built, pose, field, levels);
     let coarse = built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces));
     let refined = coarse.clone().map(|coarse| (0..levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));

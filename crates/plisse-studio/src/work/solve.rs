@@ -10,7 +10,7 @@ use plisse::field::{FieldReport, WrinkleField, curvature, solve};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Observer;
-use plisse::scene::{Built, Measured, measure};
+use plisse::scene::{Built, MOST_LEVELS, Measured, measure};
 use plisse::shell::{BaseOptions, BaseReport, solve_base};
 use plisse::strain::strain;
 use plisse::surface::{Displacement, Upsampled, displace, keep_out, suggest_levels, upsample};
@@ -29,7 +29,7 @@ const FIRST_BOUT: usize = 6;
 /// Contact thicknesses that wrinkles stay off bodies, as `plisse solve` has it.
 pub(crate) const CLEARANCE: f64 = 0.25;
 /// Most faces of a fine surface that is only looked at.
-const MOST_FACES: usize = 400_000;
+const MOST_FACES: usize = 150_000;
 
 /// A solved scene.
 #[derive(Clone, Debug)]
@@ -93,6 +93,17 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
     let measures = measure(built, &solved.field, &solved.report);
     let scene = SolvedScene { built: Arc::clone(built), pose, base, field: solved.field, report: solved.report, fine, wrinkled, measures };
     Ok(Part::Whole(Arc::new(solid), Arc::new(scene)))
+}
+
+/// Most faces of a fine surface in files, as `plisse solve` has it.
+const FACE_LIMIT: usize = 20_000_000;
+
+/// Subdivisions of the surface that `plisse solve` writes: the scene's, else those that the wavelength asks for.
+pub(crate) fn levels_in_files(built: &Built, field: &WrinkleField) -> usize {
+    let topology = &built.topology;
+    let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
+    let most = (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0);
+    built.levels.unwrap_or_else(|| suggest_levels(topology, &built.rest, median_wavelength_m(built, field)).min(most))
 }
 
 /// The divided base surface and its wrinkled places.
