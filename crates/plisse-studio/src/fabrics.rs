@@ -33,7 +33,7 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.5,
         thickness_m: 1e-4,
         density_kg_m3: 1100.0,
-        source: "the stretched sheet of Chen et al. 2021, section 6.2; the density is that of rubber, about 1100 kg/m³, not from there",
+        source: "the stretched sheet of Chen et al. 2021, section 6.4; the density is that of rubber, about 1100 kg/m³, not from there",
     },
     Fabric {
         name: "Soft plastic, 0.1 mm",

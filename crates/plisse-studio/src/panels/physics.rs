@@ -184,18 +184,25 @@ impl Studio {
         if let Some(fabric) = named {
             ui.label(RichText::new(format!("Source: {}", fabric.source)).small());
         }
-        let (mut young, mut poisson, mut thickness, mut density) =
-            (material.young_pa, material.poisson, material.thickness_m * 1e3, material.density_kg_m3);
-        let mut changed =
-            number(ui, "Young's modulus", " Pa", &mut young, 0.02 * material.young_pa, "resistance against being stretched (Pa)");
-        changed |=
-            number(ui, "Poisson's ratio", "", &mut poisson, 0.005, "how much it narrows when it is stretched, above −1 and up to 0.5");
-        changed |= number(ui, "thickness", " mm", &mut thickness, 0.02 * material.thickness_m * 1e3, "thickness of the sheet (mm)");
-        if let Some(density) = &mut density {
+        // Only what is changed goes to the scene: nothing else takes the way through other units and back.
+        let (mut young_mpa, mut poisson, mut thickness_mm) = (material.young_pa * 1e-6, material.poisson, material.thickness_m * 1e3);
+        let (mut next, mut changed) = (*material, false);
+        if number(ui, "Young's modulus", " MPa", &mut young_mpa, 0.02e-6 * material.young_pa, "resistance against being stretched (MPa)") {
+            (next.young_pa, changed) = (young_mpa * 1e6, true);
+        }
+        let tip = "how much it narrows when it is stretched, above −1 and up to 0.5";
+        if number(ui, "Poisson's ratio", "", &mut poisson, 0.005, tip) {
+            (next.poisson, changed) = (poisson, true);
+        }
+        if number(ui, "thickness", " mm", &mut thickness_mm, 20.0 * material.thickness_m, "thickness of the sheet (mm)") {
+            (next.thickness_m, changed) = (thickness_mm * 1e-3, true);
+        }
+        if let Some(density) = &mut next.density_kg_m3 {
             changed |= number(ui, "density", " kg/m³", density, 2.0, "needed where gravity pulls (kg/m³)");
         }
         if changed {
-            edit = Some(Edit::Material { young_pa: young, poisson, thickness_m: thickness * 1e-3, density_kg_m3: density });
+            let (young_pa, poisson, thickness_m) = (next.young_pa, next.poisson, next.thickness_m);
+            edit = Some(Edit::Material { young_pa, poisson, thickness_m, density_kg_m3: next.density_kg_m3 });
         }
         ui.add_space(4.0);
         ui.heading("Clamps");

@@ -68,12 +68,14 @@ pub enum Part {
 pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>) -> Result<Part> {
     reporter.stage("base surface", Some(0.0));
     let mut pose = start.map_or_else(|| built.start.clone(), <[Vec3]>::to_vec);
-    let (mut bout, mut spent) = (FIRST_BOUT, 0);
+    let (mut bout, mut spent, mut seconds) = (FIRST_BOUT, 0, 0.0);
     let base = loop {
         let limit = bout.min(built.base.iteration_limit.saturating_sub(spent)).max(1);
         let options = BaseOptions { iteration_limit: limit, ..built.base.clone() };
-        let (next, report) = solve_base(&built.setup(), &pose, &options, reporter)?;
+        let (next, mut report) = solve_base(&built.setup(), &pose, &options, reporter)?;
         (pose, spent) = (next, spent + report.iterations);
+        seconds += report.seconds;
+        (report.iterations, report.seconds) = (spent, seconds);
         let ended = report.ending != Ending::IterationLimit || spent >= built.base.iteration_limit;
         reporter.part(Part::Pose(Arc::new(look(built, &pose, None, None)), Arc::new(pose.clone())));
         if ended {
