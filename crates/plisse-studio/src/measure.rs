@@ -33,12 +33,21 @@ pub struct Row {
     pub render_ms: f32,
 }
 
+/// What painting took.
+#[derive(Clone, Copy, Debug)]
+pub struct Strokes {
+    /// Longest frame (ms) while two quick strokes ran over the sheet, the second one mirrored.
+    pub longest_ms: f32,
+    /// Vertices that they changed, both together.
+    pub vertices: usize,
+}
+
 /// Runs the program without a window on a sheet of about 100,000 vertices, with some `pictures` of each of the `views`; `gpu`: whether it
 /// may use one. Also the name of what drew.
 ///
 /// # Errors
 /// [`Error::Numeric`] if no picture comes.
-pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, String)> {
+pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Strokes, String)> {
     let mut studio = Studio::new(Start { gpu, keep: None, wake: Arc::new(|| {}) })?;
     let sheet = Subject::new(Source::Own("sheet".into()), models::sheet(SIDE, SIDE));
     studio.show(Document::new(sheet), None);
@@ -58,6 +67,8 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
         std::hint::black_box(primitives);
         begun.elapsed().as_secs_f32() * 1e3
     };
+    // Fonts are laid out in the first frame of all.
+    frame(&mut studio);
     let mut rows = Vec::new();
     for &view in views {
         studio.view = view;
@@ -87,8 +98,24 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
         let idle: Vec<f32> = (0..FRAMES).map(|_| frame(&mut studio)).collect();
         rows.push(Row { view, idle_ms: median(idle), longest_ms, stages_ms: median(stages_ms), render_ms: median(render_ms) });
     }
+    // A quick stroke across the whole sheet, once there and once mirrored.
+    studio.tab = crate::studio::Tab::Paint;
+    let mut stroke_ms = 0f32;
+    for mirror in [crate::document::Mirror::Off, crate::document::Mirror::Y] {
+        studio.brush.mirror = mirror;
+        for k in 0..=10 {
+            let begun = Instant::now();
+            studio.stroke(plisse_live::Vec2::new(0.3 + 0.04 * k as f32, 0.4 + 0.01 * k as f32));
+            stroke_ms = stroke_ms.max(begun.elapsed().as_secs_f32() * 1e3 + frame(&mut studio));
+        }
+        let begun = Instant::now();
+        studio.end_stroke();
+        stroke_ms = stroke_ms.max(begun.elapsed().as_secs_f32() * 1e3);
+    }
+    let painted = studio.document.history.done().iter().map(|c| c.vertices.len()).sum();
+    let stroke = Strokes { longest_ms: stroke_ms, vertices: painted };
     let device = studio.sheet.as_ref().map_or_else(String::new, |s| s.device.clone());
-    Ok((rows, device))
+    Ok((rows, stroke, device))
 }
 
 fn median(mut list: Vec<f32>) -> f32 {
@@ -101,7 +128,7 @@ fn median(mut list: Vec<f32>) -> f32 {
 /// # Errors
 /// As [`rows`].
 pub fn run(gpu: bool) -> Result<()> {
-    let (rows, device) = rows(gpu, &View::MAIN, PICTURES)?;
+    let (rows, strokes, device) = rows(gpu, &View::MAIN, PICTURES)?;
     let mut text = format!("{} vertices; drawn by {device}\n\n", SIDE * SIDE);
     text += "| view | frame, idle (ms) | longest frame (ms) | stages (ms) | drawing (ms) |\n|---|---|---|---|---|\n";
     for row in rows {
@@ -114,6 +141,7 @@ pub fn run(gpu: bool) -> Result<()> {
             row.render_ms
         );
     }
+    text += &format!("\nLongest frame while painting {} vertices: {:.2} ms\n", strokes.vertices, strokes.longest_ms);
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(())
 }

@@ -9,6 +9,6 @@ pub mod reach;
 pub mod trail;
 
 pub use painting::{Canvas, Painting};
-pub use pick::{Hit, Ray, nearest, pick};
+pub use pick::{Hit, Ray, between, nearest, nearest_among, pick, pick_among};
 pub use reach::Surface;
 pub use trail::Trail;

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, SymmetricEigen};
 use plisse_live::Vec3;
 use plisse_live::unify::Unified;
 
-use super::pick::{Hit, nearest};
+use super::pick::{Hit, nearest_among};
 use super::reach::Surface;
 use crate::document::layers::LONGEST_BIAS;
 use crate::document::subject::bounds;
@@ -97,7 +97,12 @@ impl Painting {
         place[axis] = low[axis] + high[axis] - place[axis];
         let mut course = course;
         course[axis] = -course[axis];
-        if let Some(other) = nearest(x, faces, &place).filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm()) {
+        // Around the nearest vertex and its neighbours.
+        let far = |v: &u32| (x[*v as usize] - place).norm_squared();
+        let Some(middle) = (0..x.len() as u32).min_by(|a, b| far(a).total_cmp(&far(b))) else { return };
+        let ring = canvas.unified.around(middle as usize).iter().chain([&middle]);
+        let some = ring.flat_map(|&v| canvas.surface.around(v).iter().copied());
+        if let Some(other) = nearest_among(x, faces, some, &place).filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm()) {
             let posed = Hit::on(other.face, other.weights, canvas.posed, faces);
             self.spread(canvas, layers, &posed, course);
         }

@@ -50,9 +50,14 @@ impl Hit {
 
 /// The nearest point of `faces` over `positions` on `ray`; both sides of a face count.
 pub fn pick(positions: &[Vec3], faces: &[[u32; 3]], ray: &Ray) -> Option<Hit> {
+    pick_among(positions, faces, 0..faces.len() as u32, ray)
+}
+
+/// As [`pick`], among `some` of the faces.
+pub fn pick_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator<Item = u32>, ray: &Ray) -> Option<Hit> {
     let mut best: Option<Hit> = None;
-    for (f, face) in faces.iter().enumerate() {
-        let [a, b, c] = face.map(|v| positions[v as usize]);
+    for f in some.map(|f| f as usize) {
+        let [a, b, c] = faces[f].map(|v| positions[v as usize]);
         let (side_b, side_c) = (b - a, c - a);
         let across = ray.direction.cross(&side_c);
         let determinant = side_b.dot(&across);
@@ -72,11 +77,33 @@ pub fn pick(positions: &[Vec3], faces: &[[u32; 3]], ray: &Ray) -> Option<Hit> {
     best
 }
 
+/// The faces that a ray between two others from the same origin can meet: those that the plane of both cuts. All faces where the two
+/// are the same.
+pub fn between(positions: &[Vec3], faces: &[[u32; 3]], a: &Ray, b: &Ray) -> Vec<u32> {
+    let all = 0..faces.len() as u32;
+    let Some(normal) = a.direction.cross(&b.direction).try_normalize(1e-7) else { return all.collect() };
+    let side: Vec<i8> = positions
+        .iter()
+        .map(|p| {
+            let from = p - a.origin;
+            let (height, slack) = (normal.dot(&from), 1e-5 * from.norm());
+            i8::from(height > -slack) - i8::from(height < slack)
+        })
+        .collect();
+    let cut = |f: &u32| faces[*f as usize].map(|v| i32::from(side[v as usize])).iter().sum::<i32>().abs() < 3;
+    all.filter(cut).collect()
+}
+
 /// The point of `faces` over `positions` that is nearest to `place`; `None` for a mesh without faces.
 pub fn nearest(positions: &[Vec3], faces: &[[u32; 3]], place: &Vec3) -> Option<Hit> {
+    nearest_among(positions, faces, 0..faces.len() as u32, place)
+}
+
+/// As [`nearest`], among `some` of the faces.
+pub fn nearest_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator<Item = u32>, place: &Vec3) -> Option<Hit> {
     let mut best: Option<Hit> = None;
-    for (f, face) in faces.iter().enumerate() {
-        let weights = nearest_in(face.map(|v| positions[v as usize]), place);
+    for f in some.map(|f| f as usize) {
+        let weights = nearest_in(faces[f].map(|v| positions[v as usize]), place);
         let mut hit = Hit::on(f, weights, positions, faces);
         hit.distance_m = (hit.position - place).norm();
         if hit.distance_m.is_finite() && best.is_none_or(|h| hit.distance_m < h.distance_m) {
@@ -133,6 +160,25 @@ mod tests {
         }
         assert!(met > 50, "{met}");
         assert!(pick(x, faces, &Ray::through(&camera, Vec2::new(-3.0, 0.5)).unwrap()).is_none());
+    }
+
+    #[test]
+    fn faces_between_two_rays_are_all_that_rays_between_them_meet() {
+        let unified = Unified::new(&models::sleeve(), 1e-5);
+        let (x, faces) = (&unified.vertices.positions, &unified.faces);
+        let camera = Camera::fit(x.iter(), 0.4, 0.2, 1.3);
+        let ray = |t: f32| Ray::through(&camera, Vec2::new(0.2 + 0.6 * t, 0.4 + 0.25 * t)).unwrap();
+        let some = between(x, faces, &ray(0.0), &ray(1.0));
+        assert!(some.len() * 3 < faces.len(), "{} of {}", some.len(), faces.len());
+        let mut met = 0;
+        for k in 0..=60 {
+            let ray = ray(k as f32 / 60.0);
+            let found = pick(x, faces, &ray);
+            assert_eq!(found, pick_among(x, faces, some.iter().copied(), &ray));
+            met += usize::from(found.is_some());
+        }
+        assert!(met > 20, "{met}");
+        assert_eq!(between(x, faces, &ray(0.5), &ray(0.5)).len(), faces.len());
     }
 
     #[test]

@@ -4,7 +4,7 @@ use plisse_live::camera::Camera;
 use plisse_live::{Vec2, Vec3};
 
 use super::painting::{Canvas, Painting};
-use super::pick::{Hit, Ray, pick};
+use super::pick::{Hit, Ray, between, pick, pick_among};
 use crate::document::{Brush, Change, Heading, Layers};
 
 /// Distance of dabs, as a share of the brush's radius.
@@ -45,9 +45,19 @@ impl Trail {
             _ => MOST as f32 * spacing_m,
         };
         let parts = ((way_m / spacing_m).ceil() as usize).clamp(1, MOST);
+        // Large meshes are looked through once, not for every part.
+        let rays = [from, pointer].map(|p| Ray::through(camera, p));
+        let some = match (rays, parts) {
+            ([Some(a), Some(b)], 2..) => between(canvas.posed, &canvas.unified.faces, &a, &b),
+            _ => Vec::new(),
+        };
         for part in 1..=parts {
             let at = from + (pointer - from) * (part as f32 / parts as f32);
-            let hit = if part == parts { target } else { meet(canvas, camera, at) };
+            let hit = if part == parts {
+                target
+            } else {
+                Ray::through(camera, at).and_then(|ray| pick_among(canvas.posed, &canvas.unified.faces, some.iter().copied(), &ray))
+            };
             self.reach(canvas, layers, camera, hit, spacing_m);
         }
     }
