@@ -1,7 +1,7 @@
 //! What dabs do to a layer. One stroke goes no farther than its brush's strength, however often it passes over a vertex: each vertex
 //! keeps the largest weight any dab gave it, and the mean direction of all dabs, which has no sign.
 
-use nalgebra::{Matrix3, Rotation3, SymmetricEigen};
+use nalgebra::{Matrix3, Rotation3};
 use plisse_live::Vec3;
 use plisse_live::unify::Unified;
 
@@ -55,6 +55,8 @@ struct Touch {
     weight: f32,
     /// Σ w d⊗d over the dabs.
     directions: Matrix3<f32>,
+    /// Whether it changed since the layer was written last.
+    is_new: bool,
 }
 
 /// A stroke on its way.
@@ -79,9 +81,9 @@ impl Painting {
         &self.brush
     }
 
-    /// Paints a dab at `hit` of the posed mesh. `course` (posed, any length) is the way the stroke goes there, or the way crests
+    /// Puts a dab at `hit` of the posed mesh; [`Painting::write`] paints it. `course` (posed, any length) is the way the stroke goes there, or the way crests
     /// shall run for [`Heading::Screen`].
-    pub fn dab(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, hit: &Hit, course: &Vec3) {
+    pub fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: &Vec3) {
         self.dabs.push((hit.face as u32, hit.weights));
         let course = canvas.to_rest(hit.face, course);
         self.spread(canvas, layers, hit, course);
@@ -108,8 +110,8 @@ impl Painting {
         }
     }
 
-    /// Gives every vertex within reach its weight, and paints it. `course` is in the rest pose.
-    fn spread(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, hit: &Hit, course: Vec3) {
+    /// Gives every vertex within reach its weight. `course` is in the rest pose.
+    fn spread(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: Vec3) {
         let unified = canvas.unified;
         let normal = canvas.rest_normal(hit.face);
         let flat = course - normal * normal.dot(&course);
@@ -118,7 +120,7 @@ impl Painting {
         let across = (self.brush.layer == Layer::Wrinkles) == matches!(self.brush.heading, Heading::AlongStroke | Heading::Screen);
         let direction = if across { normal.cross(&unit) } else { unit };
         let layer = self.brush.layer;
-        let values = layers.of_mut(layer);
+        let values = layers.of(layer);
         for (v, distance_m) in canvas.surface.reach(&unified.faces, canvas.posed, hit, self.brush.radius_m) {
             let weight = self.brush.falloff.weight(distance_m / self.brush.radius_m);
             if weight <= 0.0 {
@@ -128,7 +130,7 @@ impl Painting {
             if *slot == NONE {
                 *slot = self.touches.len() as u32;
                 let before = values[v as usize];
-                self.touches.push((v, Touch { before, weight: 0.0, directions: Matrix3::zeros() }));
+                self.touches.push((v, Touch { before, weight: 0.0, directions: Matrix3::zeros(), is_new: true }));
             }
             let touch = &mut self.touches[*slot as usize].1;
             let up = unified.vertices.normals[v as usize];
@@ -136,11 +138,20 @@ impl Painting {
             let there = (there - up * up.dot(&there)).try_normalize(1e-6).unwrap_or_else(Vec3::zeros);
             touch.weight = touch.weight.max(weight);
             touch.directions += there * there.transpose() * weight;
-            values[v as usize] = painted(&self.brush, touch);
+            touch.is_new = true;
         }
     }
 
-    /// Ends the stroke: what it changed, for the history.
+    /// Writes what the dabs since the last call have done to the layer.
+    pub fn write(&mut self, canvas: &Canvas<'_>, layers: &mut Layers) {
+        let values = layers.of_mut(self.brush.layer);
+        for (v, touch) in self.touches.iter_mut().filter(|(_, touch)| touch.is_new) {
+            touch.is_new = false;
+            values[*v as usize] = painted(&self.brush, touch, &canvas.unified.vertices.normals[*v as usize]);
+        }
+    }
+
+    /// Ends the stroke, which is written: what it changed, for the history.
     pub fn end(self, layers: &Layers) -> Change {
         let values = layers.of(self.brush.layer);
         let bits = |x: &[f32; 4]| x.map(f32::to_bits);
@@ -151,8 +162,8 @@ impl Painting {
     }
 }
 
-/// What a vertex has after `touch`.
-fn painted(brush: &Brush, touch: &Touch) -> [f32; 4] {
+/// What a vertex with this unit normal has after `touch`.
+fn painted(brush: &Brush, touch: &Touch, normal: &Vec3) -> [f32; 4] {
     let share = (touch.weight * brush.strength).clamp(0.0, 1.0);
     let before = touch.before;
     let neutral = brush.layer.neutral();
@@ -169,11 +180,11 @@ fn painted(brush: &Brush, touch: &Touch) -> [f32; 4] {
             let squared = brush.layer == Layer::Wrinkles;
             let weigh = |length: f32| if squared { length * length } else { length };
             let of = |p: &Vec3| p.try_normalize(1e-20).map_or_else(Matrix3::zeros, |d| d * d.transpose() * weigh(p.norm()));
-            let wanted = match principal(&touch.directions) {
+            let wanted = match principal(&touch.directions, normal) {
                 Some((_, d)) if !erase => d * d.transpose() * weigh(brush.value),
                 _ => Matrix3::zeros(),
             };
-            let vector = principal(&(of(&old) * (1.0 - share) + wanted * share)).map_or_else(Vec3::zeros, |(most, d)| {
+            let vector = principal(&(of(&old) * (1.0 - share) + wanted * share), normal).map_or_else(Vec3::zeros, |(most, d)| {
                 let length = if squared { most.max(0.0).sqrt().min(LONGEST_BIAS) } else { most.max(0.0) };
                 // Which of the two ways it points does not matter to anybody but the eye.
                 let d = if d.dot(&old) < 0.0 { -d } else { d };
@@ -185,12 +196,16 @@ fn painted(brush: &Brush, touch: &Touch) -> [f32; 4] {
     }
 }
 
-/// Largest eigenvalue of a symmetric matrix and its unit eigenvector; `None` for zero.
-fn principal(m: &Matrix3<f32>) -> Option<(f32, Vec3)> {
-    if !(m.norm() > 1e-20) {
+/// Largest eigenvalue of a symmetric matrix that is zero along `normal`, and its unit eigenvector; `None` for zero.
+fn principal(m: &Matrix3<f32>, normal: &Vec3) -> Option<(f32, Vec3)> {
+    let axis = if normal.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
+    let t = normal.cross(&axis).try_normalize(1e-6)?;
+    let b = normal.cross(&t);
+    let (tt, bb, tb) = (t.dot(&(m * t)), b.dot(&(m * b)), t.dot(&(m * b)));
+    let (mean, half) = (0.5 * (tt + bb), 0.5 * (tt - bb));
+    if !(mean > 1e-20) {
         return None;
     }
-    let eigen = SymmetricEigen::new(*m);
-    let k = (0..3).max_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]))?;
-    Some((eigen.eigenvalues[k], eigen.eigenvectors.column(k).into_owned()))
+    let (sin, cos) = (0.5 * tb.atan2(half)).sin_cos();
+    Some((mean + half.hypot(tb), t * cos + b * sin))
 }

@@ -4,7 +4,7 @@
 //! third one's plane, which is exact on surfaces that unfold flat; where the straight line would miss the side between them, it runs along an edge.
 
 use std::cmp::Ordering;
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 
 use plisse_live::{Vec2, Vec3};
 
@@ -65,44 +65,48 @@ impl Surface {
 
     /// Vertices closer to `from` than `radius_m` along `faces` over `positions`, with their distances (m), ascending by vertex.
     pub fn reach(&self, faces: &[[u32; 3]], positions: &[Vec3], from: &Hit, radius_m: f32) -> Vec<(u32, f32)> {
-        let mut known: HashMap<u32, f32> = HashMap::new();
-        let mut open: HashMap<u32, f32> = HashMap::new();
+        // Infinite where nothing is known yet; settled once the queue has handed a vertex out.
+        let mut distance = vec![f32::INFINITY; self.starts.len() - 1];
+        let mut settled = vec![false; distance.len()];
+        let mut list = Vec::new();
         let mut queue = BinaryHeap::new();
         for &v in &faces[from.face] {
             let distance_m = (positions[v as usize] - from.position).norm();
             if distance_m < radius_m {
-                open.insert(v, distance_m);
+                distance[v as usize] = distance_m;
                 queue.push(Step { distance_m, v });
             }
         }
         // Around the face itself everything is seen straight, even if no corner is within reach.
         while let Some(Step { distance_m, v }) = queue.pop() {
-            if known.contains_key(&v) {
+            if std::mem::replace(&mut settled[v as usize], true) {
                 continue;
             }
-            known.insert(v, distance_m);
+            list.push((v, distance_m));
             for &f in self.around(v) {
-                for &to in faces[f as usize].iter().filter(|&&to| !known.contains_key(&to)) {
-                    let found = across(faces[f as usize], positions, &known, &open, v, to);
-                    if found < radius_m && open.get(&to).is_none_or(|&d| found < d) {
-                        open.insert(to, found);
+                for &to in faces[f as usize].iter().filter(|&&to| !settled[to as usize]) {
+                    let found = across(faces[f as usize], positions, &distance, v, to);
+                    if found < radius_m && found < distance[to as usize] {
+                        distance[to as usize] = found;
                         queue.push(Step { distance_m: found, v: to });
                     }
                 }
             }
         }
-        let mut list: Vec<(u32, f32)> = known.into_iter().collect();
         list.sort_unstable_by_key(|&(v, _)| v);
         list
     }
 }
 
-/// Distance of `to` over `face`, `from` being known; the third corner helps if it has a distance, too.
-fn across(face: [u32; 3], x: &[Vec3], known: &HashMap<u32, f32>, open: &HashMap<u32, f32>, from: u32, to: u32) -> f32 {
+/// Distance of `to` over `face`, that of `from` being known; the third corner helps if it has a distance, too.
+fn across(face: [u32; 3], x: &[Vec3], distance: &[f32], from: u32, to: u32) -> f32 {
     let at = |v: u32| x[v as usize];
-    let along = known[&from] + (at(to) - at(from)).norm();
+    let along = distance[from as usize] + (at(to) - at(from)).norm();
     let Some(&third) = face.iter().find(|&&v| v != from && v != to) else { return along };
-    let Some(&d_third) = known.get(&third).or_else(|| open.get(&third)) else { return along };
+    let d_third = distance[third as usize];
+    if d_third == f32::INFINITY {
+        return along;
+    }
     let side = at(third) - at(from);
     let length = side.norm();
     if !(length > 0.0) {
@@ -110,7 +114,7 @@ fn across(face: [u32; 3], x: &[Vec3], known: &HashMap<u32, f32>, open: &HashMap<
     }
     // In the plane: `from` at the origin, `third` on the x axis, `to` above it, the source below.
     let side = side / length;
-    let d_from = known[&from];
+    let d_from = distance[from as usize];
     let source_x = (d_from * d_from - d_third * d_third + length * length) / (2.0 * length);
     let below = d_from * d_from - source_x * source_x;
     if below < 0.0 {

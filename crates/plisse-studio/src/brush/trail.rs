@@ -60,9 +60,10 @@ impl Trail {
             };
             self.reach(canvas, layers, camera, hit, spacing_m);
         }
+        self.painting.write(canvas, layers);
     }
 
-    fn reach(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera, hit: Option<Hit>, spacing_m: f32) {
+    fn reach(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera, hit: Option<Hit>, spacing_m: f32) {
         let Some(hit) = hit else {
             // The stroke left the surface; where it comes back, it begins anew.
             self.flush(canvas, layers, camera);
@@ -91,14 +92,14 @@ impl Trail {
     }
 
     /// A point that still waits for a direction is painted with the last one, or the screen's right.
-    fn flush(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera) {
+    fn flush(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera) {
         if let Some((hit, true)) = self.last {
             self.dab(canvas, layers, camera, &hit);
             self.last = Some((hit, false));
         }
     }
 
-    fn dab(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera, hit: &Hit) {
+    fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera, hit: &Hit) {
         let (right, up) = screen_axes(camera);
         let angle = self.painting.brush().screen_angle_rad;
         let course = match (self.painting.brush().heading, self.course) {
@@ -112,6 +113,7 @@ impl Trail {
     /// Ends the stroke.
     pub fn end(mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera) -> Change {
         self.flush(canvas, layers, camera);
+        self.painting.write(canvas, layers);
         self.painting.end(layers)
     }
 }
