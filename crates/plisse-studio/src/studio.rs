@@ -498,15 +498,14 @@ impl Studio {
                 time_s: settings.time_s,
             },
         };
-        let at = |p: usize| p;
         let key: OrderKey = (
             self.table,
             size,
             self.view,
             self.looking,
             settings.time_s,
-            at(Arc::as_ptr(&options) as usize),
-            at(Arc::as_ptr(&layer) as usize),
+            Arc::as_ptr(&options) as usize,
+            Arc::as_ptr(&layer) as usize,
             solid.as_ref().map_or(0, |s| Arc::as_ptr(s) as usize),
             self.colour,
             self.lose_device,

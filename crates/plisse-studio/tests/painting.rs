@@ -177,7 +177,7 @@ fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
             for (k, stroke) in strokes.into_iter().enumerate() {
                 let found = angles(name, time_s, stroke, wavelength_m);
                 let most = found.iter().copied().fold(0.0, f32::max);
-                println!("{name}, {time_s:?} s, stroke {k}: {} vertices, largest angle {most:.2} degrees", found.len());
+                eprintln!("{name}, {time_s:?} s, stroke {k}: {} vertices, largest angle {most:.2} degrees", found.len());
                 assert!(found.len() >= 3, "{name}, {time_s:?}, stroke {k}: {}", found.len());
                 assert!(most < 10.0, "{name}, {time_s:?}, stroke {k}: {most} degrees");
             }
