@@ -144,6 +144,11 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
+    /// Gives the device back at once: everything that is asked of it afterwards fails, as if it had been lost.
+    pub fn destroy(&self) {
+        self.device.destroy();
+    }
+
     /// Waits until everything submitted is done.
     ///
     /// # Errors

@@ -10,7 +10,8 @@ use plisse_live::texture::Texture;
 use plisse_live::wgsl;
 
 use crate::device::Gpu;
-use crate::live::{FACE_FLOATS, Live};
+use crate::faces::Faces;
+use crate::live::{Batch, FACE_FLOATS, Live};
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -128,6 +129,37 @@ impl Painter {
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
     pub fn draw(&self, gpu: &Gpu, live: &mut Live, camera: &Camera, look: &Look<'_>) -> Result<()> {
+        let batches: Vec<&Batch> = live.batches.iter().collect();
+        let parts: Vec<_> = live.parts.iter().map(|part| part.faces).zip(&self.arguments).collect();
+        let encoder = self.encode(gpu, &batches, &parts, camera, look, live.timer.render(4));
+        live.timer.submit(gpu, 4, encoder)?;
+        gpu.check()
+    }
+
+    /// Draws `faces` with texture number `texture` of those that the painter was made with, without waiting for it.
+    ///
+    /// # Errors
+    /// [`Error::Value`] if there is no such texture; [`Error::Numeric`] if the device fails.
+    pub fn draw_faces(&self, gpu: &Gpu, faces: &Faces, texture: usize, camera: &Camera, look: &Look<'_>) -> Result<()> {
+        let Some(arguments) = self.arguments.get(texture) else {
+            return Err(Error::value("texture", format!("there is no number {texture}; give one below {}", self.arguments.len())));
+        };
+        let batches: Vec<&Batch> = faces.batches.iter().collect();
+        let encoder = self.encode(gpu, &batches, &[([0, usize::MAX], arguments)], camera, look, None);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check()
+    }
+
+    /// One pass over all `batches`; `parts` are ranges of faces with what they are drawn with.
+    fn encode(
+        &self,
+        gpu: &Gpu,
+        batches: &[&Batch],
+        parts: &[([usize; 2], &wgpu::BindGroup)],
+        camera: &Camera,
+        look: &Look<'_>,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::CommandEncoder {
         gpu.write(&self.scene, &[Scene::new(camera, look)]);
         let [r, g, b] = BACKGROUND.map(|c| f64::from(from_srgb(c)));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -145,24 +177,23 @@ impl Painter {
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
-            timestamp_writes: live.timer.render(4),
+            timestamp_writes,
             occlusion_query_set: None,
             multiview_mask: None,
         });
         pass.set_pipeline(&self.pipeline);
-        for batch in &live.batches {
+        for batch in batches {
             pass.set_vertex_buffer(0, batch.faces.slice(..));
-            for (part, arguments) in live.parts.iter().zip(&self.arguments) {
-                let [from, to] = part.faces.map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
+            for (faces, arguments) in parts {
+                let [from, to] = faces.map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
                 if from < to {
-                    pass.set_bind_group(0, arguments, &[]);
+                    pass.set_bind_group(0, *arguments, &[]);
                     pass.draw(0..3, from..to);
                 }
             }
         }
         drop(pass);
-        live.timer.submit(gpu, 4, encoder)?;
-        gpu.check()
+        encoder
     }
 
     /// The picture that was drawn last.

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use plisse_gpu::{Character, Gpu, Live, Painter};
+use plisse_gpu::{Character, Faces, Gpu, Live, Painter};
 use plisse_live::camera::Camera;
 use plisse_live::crush::{CrushInput, Crushed, crush};
 use plisse_live::draw::{Look, Picture, SAMPLES, draw};
@@ -267,6 +267,14 @@ fn render_is_its_twin() {
             }
             let share = check_picture(&picture, &twin).unwrap_or_else(|e| panic!("{name}: render: {e}"));
             eprintln!("{name}: {:.3} % of {} pixels differ by more than {LIGHT}", 100.0 * share, twin.covered);
+            // Faces that the twin laid out are the same picture, also in place of others.
+            let mut laid_out = Faces::new(&gpu, &faces[..faces.len() / 2]).unwrap();
+            for _ in 0..2 {
+                laid_out.set(&gpu, &faces).unwrap();
+                painter.draw_faces(&gpu, &laid_out, 0, &camera, &look).unwrap();
+                check_picture(&painter.read(&gpu).unwrap(), &twin).unwrap_or_else(|e| panic!("{name}: faces: {e}"));
+            }
+            assert!(painter.draw_faces(&gpu, &laid_out, 1, &camera, &look).is_err());
             // Shown to fail: another profile is another picture, and so is one without parallax.
             let pencil = Profile::pencil();
             assert!(check_picture(&picture, &draw(&faces, &Look { profile: &pencil, ..look }, &camera, size)).is_err(), "{name}");

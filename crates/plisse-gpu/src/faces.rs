@@ -1,0 +1,63 @@
+//! Faces that the twins laid out, ready to be drawn: what an editor shows besides the frames of [`crate::Live`], such as a solved
+//! surface or colours that stand for numbers.
+
+use plisse::Result;
+use plisse_live::render::Corner;
+
+use crate::device::Gpu;
+use crate::live::{Batch, FACE_FLOATS};
+
+/// Gathered faces that come from the processor.
+pub struct Faces {
+    pub(crate) batches: Vec<Batch>,
+    count: usize,
+}
+
+impl Faces {
+    /// Takes `faces` to the adapter.
+    ///
+    /// # Errors
+    /// [`plisse::Error::Numeric`] if the device fails.
+    pub fn new(gpu: &Gpu, faces: &[[Corner; 3]]) -> Result<Self> {
+        let most = ((gpu.most_bytes() / (4 * FACE_FLOATS as u64)) as usize).max(1);
+        let mut batches = Vec::new();
+        for (i, part) in faces.chunks(most).enumerate() {
+            let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+            let buffer = gpu.buffer("faces", &laid_out(part), usage)?;
+            batches.push(Batch { faces: buffer, range: [i * most, i * most + part.len()] });
+        }
+        gpu.check()?;
+        Ok(Self { batches, count: faces.len() })
+    }
+
+    /// Replaces the faces; buffers stay where their number does.
+    ///
+    /// # Errors
+    /// As [`Faces::new`].
+    pub fn set(&mut self, gpu: &Gpu, faces: &[[Corner; 3]]) -> Result<()> {
+        if faces.len() != self.count {
+            *self = Self::new(gpu, faces)?;
+        } else {
+            self.batches.iter().for_each(|b| gpu.write(&b.faces, &laid_out(&faces[b.range[0]..b.range[1]])));
+        }
+        gpu.check()
+    }
+}
+
+/// As gather.wgsl leaves them.
+fn laid_out(faces: &[[Corner; 3]]) -> Vec<[f32; FACE_FLOATS]> {
+    let one = |corners: &[Corner; 3]| {
+        let mut face = [0.0; FACE_FLOATS];
+        for (c, corner) in corners.iter().enumerate() {
+            let mut put = |at: usize, v: &plisse_live::Vec3, w: f32| {
+                face[at + 4 * c..at + 4 * c + 4].copy_from_slice(&[v.x, v.y, v.z, w]);
+            };
+            put(0, &corner.position, corner.amplitude_m);
+            put(12, &corner.normal, corner.phase);
+            put(24, &corner.wave, corner.uv.x);
+            face[36 + c] = corner.uv.y;
+        }
+        face
+    };
+    faces.iter().map(one).collect()
+}

@@ -1,0 +1,211 @@
+//! What dabs do to a layer. One stroke goes no farther than its brush's strength, however often it passes over a vertex: each vertex
+//! keeps the largest weight any dab gave it, and the mean direction of all dabs, which has no sign.
+
+use nalgebra::{Matrix3, Rotation3};
+use plisse_live::Vec3;
+use plisse_live::unify::Unified;
+
+use super::pick::{Hit, nearest_among};
+use super::reach::Surface;
+use crate::document::layers::LONGEST_BIAS;
+use crate::document::subject::bounds;
+use crate::document::{Action, Brush, Change, Heading, Layer, Layers, Mirror, Stroke};
+
+/// Farthest that a mirrored point may be from the surface, as a share of the model's size, for a dab to be there.
+const MIRROR_TOLERANCE: f32 = 0.02;
+
+/// What is painted on.
+#[derive(Clone, Copy)]
+pub struct Canvas<'a> {
+    /// The mesh.
+    pub unified: &'a Unified,
+    /// Its faces around vertices.
+    pub surface: &'a Surface,
+    /// `[U]` places in which it is seen (m).
+    pub posed: &'a [Vec3],
+}
+
+impl Canvas<'_> {
+    /// `direction` (posed, along face `f`) in the rest pose, of any length; zero where the face has no area.
+    pub fn to_rest(&self, f: usize, direction: &Vec3) -> Vec3 {
+        let [a, b, c] = self.unified.faces[f].map(|v| v as usize);
+        let (u, v) = (self.posed[b] - self.posed[a], self.posed[c] - self.posed[a]);
+        let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
+        let determinant = uu * vv - uv * uv;
+        if !(determinant > 0.0) {
+            return Vec3::zeros();
+        }
+        let (du, dv) = (direction.dot(&u), direction.dot(&v));
+        let x = &self.unified.vertices.positions;
+        ((x[b] - x[a]) * (vv * du - uv * dv) + (x[c] - x[a]) * (uu * dv - uv * du)) / determinant
+    }
+
+    /// Unit normal of face `f` at rest.
+    fn rest_normal(&self, f: usize) -> Vec3 {
+        let [a, b, c] = self.unified.faces[f].map(|v| self.unified.vertices.positions[v as usize]);
+        (b - a).cross(&(c - a)).try_normalize(1e-30).unwrap_or_else(Vec3::z)
+    }
+}
+
+/// What a stroke has given one vertex so far.
+#[derive(Clone, Copy)]
+struct Touch {
+    before: [f32; 4],
+    /// Largest weight.
+    weight: f32,
+    /// Σ w d⊗d over the dabs.
+    directions: Matrix3<f32>,
+    /// Whether it changed since the layer was written last.
+    is_new: bool,
+}
+
+/// A stroke on its way.
+pub struct Painting {
+    brush: Brush,
+    dabs: Vec<(u32, [f32; 2])>,
+    /// `[U]` place in `touches`, or none.
+    slots: Vec<u32>,
+    touches: Vec<(u32, Touch)>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Painting {
+    /// A stroke with `brush` on a model of `count` unified vertices, before its first dab.
+    pub fn new(brush: Brush, count: usize) -> Self {
+        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], touches: Vec::new() }
+    }
+
+    /// The brush.
+    pub fn brush(&self) -> &Brush {
+        &self.brush
+    }
+
+    /// Puts a dab at `hit` of the posed mesh; [`Painting::write`] paints it. `course` (posed, any length) is the way the stroke goes there, or the way crests
+    /// shall run for [`Heading::Screen`].
+    pub fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: &Vec3) {
+        self.dabs.push((hit.face as u32, hit.weights));
+        let course = canvas.to_rest(hit.face, course);
+        self.spread(canvas, layers, hit, course);
+        let axis = match self.brush.mirror {
+            Mirror::Off => return,
+            Mirror::X => 0,
+            Mirror::Y => 1,
+            Mirror::Z => 2,
+        };
+        let (x, faces) = (&canvas.unified.vertices.positions, &canvas.unified.faces);
+        let [low, high] = bounds(x);
+        let mut place = Hit::on(hit.face, hit.weights, x, faces).position;
+        place[axis] = low[axis] + high[axis] - place[axis];
+        let mut course = course;
+        course[axis] = -course[axis];
+        // Around the nearest vertex and its neighbours.
+        let far = |v: &u32| (x[*v as usize] - place).norm_squared();
+        let Some(middle) = (0..x.len() as u32).min_by(|a, b| far(a).total_cmp(&far(b))) else { return };
+        let ring = canvas.unified.around(middle as usize).iter().chain([&middle]);
+        let some = ring.flat_map(|&v| canvas.surface.around(v).iter().copied());
+        if let Some(other) = nearest_among(x, faces, some, &place).filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm()) {
+            let posed = Hit::on(other.face, other.weights, canvas.posed, faces);
+            self.spread(canvas, layers, &posed, course);
+        }
+    }
+
+    /// Gives every vertex within reach its weight. `course` is in the rest pose.
+    fn spread(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: Vec3) {
+        let unified = canvas.unified;
+        let normal = canvas.rest_normal(hit.face);
+        let flat = course - normal * normal.dot(&course);
+        let unit = flat.try_normalize(1e-20).unwrap_or_else(Vec3::zeros);
+        // Wrinkles run in across their crests; a surface grows along the way it is told.
+        let across = (self.brush.layer == Layer::Wrinkles) == matches!(self.brush.heading, Heading::AlongStroke | Heading::Screen);
+        let direction = if across { normal.cross(&unit) } else { unit };
+        let layer = self.brush.layer;
+        let values = layers.of(layer);
+        for (v, distance_m) in canvas.surface.reach(&unified.faces, canvas.posed, hit, self.brush.radius_m) {
+            let weight = self.brush.falloff.weight(distance_m / self.brush.radius_m);
+            if weight <= 0.0 {
+                continue;
+            }
+            let slot = &mut self.slots[v as usize];
+            if *slot == NONE {
+                *slot = self.touches.len() as u32;
+                let before = values[v as usize];
+                self.touches.push((v, Touch { before, weight: 0.0, directions: Matrix3::zeros(), is_new: true }));
+            }
+            let touch = &mut self.touches[*slot as usize].1;
+            let up = unified.vertices.normals[v as usize];
+            let there = Rotation3::rotation_between(&normal, &up).map_or(direction, |turn| turn * direction);
+            let there = (there - up * up.dot(&there)).try_normalize(1e-6).unwrap_or_else(Vec3::zeros);
+            touch.weight = touch.weight.max(weight);
+            touch.directions += there * there.transpose() * weight;
+            touch.is_new = true;
+        }
+    }
+
+    /// Writes what the dabs since the last call have done to the layer.
+    pub fn write(&mut self, canvas: &Canvas<'_>, layers: &mut Layers) {
+        let values = layers.of_mut(self.brush.layer);
+        for (v, touch) in self.touches.iter_mut().filter(|(_, touch)| touch.is_new) {
+            touch.is_new = false;
+            values[*v as usize] = painted(&self.brush, touch, &canvas.unified.vertices.normals[*v as usize]);
+        }
+    }
+
+    /// Ends the stroke, which is written: what it changed, for the history.
+    pub fn end(self, layers: &Layers) -> Change {
+        let values = layers.of(self.brush.layer);
+        let bits = |x: &[f32; 4]| x.map(f32::to_bits);
+        let changed = self.touches.iter().map(|(v, touch)| (*v, touch.before, values[*v as usize]));
+        let mut vertices: Vec<_> = changed.filter(|(_, before, after)| bits(before) != bits(after)).collect();
+        vertices.sort_unstable_by_key(|c| c.0);
+        Change { layer: self.brush.layer, stroke: Stroke { brush: self.brush, dabs: self.dabs }, vertices }
+    }
+}
+
+/// What a vertex with this unit normal has after `touch`.
+fn painted(brush: &Brush, touch: &Touch, normal: &Vec3) -> [f32; 4] {
+    let share = (touch.weight * brush.strength).clamp(0.0, 1.0);
+    let before = touch.before;
+    let neutral = brush.layer.neutral();
+    let blend = |to: f32, k: usize| before[k] + (to - before[k]) * share;
+    let erase = brush.action == Action::Erase;
+    match brush.layer {
+        Layer::Wrinkles | Layer::Expansion => {
+            let isotropic = brush.heading == Heading::Isotropic;
+            let old = Vec3::new(before[0], before[1], before[2]);
+            if isotropic && !erase {
+                return [old.x, old.y, old.z, blend(brush.value, 3)];
+            }
+            // Lengths of wrinkles count squared: p shortens by |p|².
+            let squared = brush.layer == Layer::Wrinkles;
+            let weigh = |length: f32| if squared { length * length } else { length };
+            let of = |p: &Vec3| p.try_normalize(1e-20).map_or_else(Matrix3::zeros, |d| d * d.transpose() * weigh(p.norm()));
+            let wanted = match principal(&touch.directions, normal) {
+                Some((_, d)) if !erase => d * d.transpose() * weigh(brush.value),
+                _ => Matrix3::zeros(),
+            };
+            let vector = principal(&(of(&old) * (1.0 - share) + wanted * share), normal).map_or_else(Vec3::zeros, |(most, d)| {
+                let length = if squared { most.max(0.0).sqrt().min(LONGEST_BIAS) } else { most.max(0.0) };
+                // Which of the two ways it points does not matter to anybody but the eye.
+                let d = if d.dot(&old) < 0.0 { -d } else { d };
+                d * length
+            });
+            [vector.x, vector.y, vector.z, if erase { blend(0.0, 3) } else { before[3] }]
+        }
+        _ => [blend(if erase { neutral[0] } else { brush.value }, 0), 0.0, 0.0, 0.0],
+    }
+}
+
+/// Largest eigenvalue of a symmetric matrix that is zero along `normal`, and its unit eigenvector; `None` for zero.
+fn principal(m: &Matrix3<f32>, normal: &Vec3) -> Option<(f32, Vec3)> {
+    let axis = if normal.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
+    let t = normal.cross(&axis).try_normalize(1e-6)?;
+    let b = normal.cross(&t);
+    let (tt, bb, tb) = (t.dot(&(m * t)), b.dot(&(m * b)), t.dot(&(m * b)));
+    let (mean, half) = (0.5 * (tt + bb), 0.5 * (tt - bb));
+    if !(mean > 1e-20) {
+        return None;
+    }
+    let (sin, cos) = (0.5 * tb.atan2(half)).sin_cos();
+    Some((mean + half.hypot(tb), t * cos + b * sin))
+}

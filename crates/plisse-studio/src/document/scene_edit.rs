@@ -1,0 +1,122 @@
+//! Changes of a scene's text: constants and clamps, with everything else, comments too, as it was.
+
+use plisse::scene::parse;
+use plisse::{Error, Result};
+use toml_edit::{Array, DocumentMut, Item, Value, value};
+
+use super::subject::{SceneText, ready};
+use crate::fabrics::Fabric;
+
+/// A change that the Physics panel makes.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// Other constants.
+    Material {
+        /// Young's modulus (Pa).
+        young_pa: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Thickness (m).
+        thickness_m: f64,
+        /// Density (kg/m³), where the scene has or needs one.
+        density_kg_m3: Option<f64>,
+    },
+    /// Clamp number `.0` moves by `.1` (m).
+    ClampMove(usize, [f64; 3]),
+    /// Clamp number `.0`, which turns, turns by `.1` (degrees).
+    ClampTurn(usize, f64),
+    /// Pressure inside (Pa).
+    Pressure(f64),
+}
+
+impl Edit {
+    /// The constants of `fabric`.
+    pub fn fabric(fabric: &Fabric) -> Self {
+        let Fabric { young_pa, poisson, thickness_m, density_kg_m3, .. } = *fabric;
+        Self::Material { young_pa, poisson, thickness_m, density_kg_m3: Some(density_kg_m3) }
+    }
+}
+
+/// `scene` with `edit`.
+///
+/// # Errors
+/// As [`parse`] and [`ready`]: the change may be one that cannot be.
+pub fn edited(scene: &SceneText, edit: &Edit) -> Result<SceneText> {
+    let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
+    let mut document: DocumentMut = scene.text.parse().map_err(|e| bad(&e))?;
+    match edit {
+        Edit::Material { young_pa, poisson, thickness_m, density_kg_m3 } => {
+            set(&mut document["material"], "young_pa", *young_pa);
+            set(&mut document["material"], "poisson", *poisson);
+            set(&mut document["material"], "thickness_m", *thickness_m);
+            if let Some(density) = density_kg_m3 {
+                set(&mut document["material"], "density_kg_m3", *density);
+            }
+        }
+        Edit::ClampMove(number, by) => {
+            let list: Array = by.iter().copied().collect();
+            if let Some(clamp) = clamp(&mut document, *number) {
+                clamp.insert("move_m", value(list));
+            }
+        }
+        Edit::ClampTurn(number, angle_deg) => {
+            if let Some(turn) = clamp(&mut document, *number).and_then(|c| c.get_mut("turn")) {
+                set(turn, "angle_deg", *angle_deg);
+            }
+        }
+        Edit::Pressure(pascal) => {
+            if document.get("load").is_none() {
+                document["load"] = toml_edit::table();
+            }
+            set(&mut document["load"], "pressure_pa", *pascal);
+        }
+    }
+    let text = document.to_string();
+    let parsed = parse(&scene.scene.file, &text)?;
+    let built = std::sync::Arc::new(ready(&parsed)?);
+    Ok(SceneText { text, scene: parsed, built })
+}
+
+/// Replaces a number and leaves what stands around it.
+fn set(table: &mut Item, key: &str, number: f64) {
+    let Some(table) = table.as_table_like_mut() else { return };
+    let mut fresh = Value::from(number);
+    if let Some(old) = table.get(key).and_then(Item::as_value) {
+        *fresh.decor_mut() = old.decor().clone();
+    }
+    table.insert(key, Item::Value(fresh));
+}
+
+fn clamp(document: &mut DocumentMut, number: usize) -> Option<&mut dyn toml_edit::TableLike> {
+    match document.get_mut("clamp")? {
+        Item::ArrayOfTables(list) => list.get_mut(number).map(|t| t as &mut dyn toml_edit::TableLike),
+        Item::Value(Value::Array(list)) => list.get_mut(number)?.as_inline_table_mut().map(|t| t as &mut dyn toml_edit::TableLike),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::Subject;
+
+    #[test]
+    fn constants_and_clamps_change_and_comments_stay() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/01-twisted-cylinder.toml");
+        let subject = Subject::scene(path.into(), std::fs::read_to_string(path).unwrap()).unwrap();
+        let scene = subject.scene.unwrap();
+        let found = edited(&scene, &Edit::ClampTurn(1, 7.5)).unwrap();
+        assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg, 7.5);
+        assert_eq!(found.text.lines().next(), scene.text.lines().next());
+        let found = edited(&found, &Edit::ClampMove(0, [0.0, 0.0, -0.01])).unwrap();
+        assert_eq!(found.scene.clamp[0].move_m, [0.0, 0.0, -0.01]);
+        let found = edited(&found, &Edit::fabric(&crate::fabrics::FABRICS[0])).unwrap();
+        assert_eq!(found.scene.material.young_pa, crate::fabrics::FABRICS[0].young_pa);
+        // Every digit of a number comes back.
+        let number = 0.1 + 0.2;
+        let found = edited(&found, &Edit::ClampTurn(1, number)).unwrap();
+        assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg.to_bits(), number.to_bits());
+        let bad = Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };
+        assert!(edited(&found, &bad).unwrap_err().to_string().contains("young"));
+    }
+}

@@ -1,0 +1,145 @@
+//! How wrinkles are made and shown, as far as it belongs to the document.
+
+use plisse_live::profile::Profile;
+use plisse_live::relax;
+use serde::{Deserialize, Serialize};
+
+use super::subject::Subject;
+
+/// Profiles by name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProfileChoice {
+    /// The cosine of eq. 3.
+    Sine,
+    /// Straight flanks.
+    Accordion,
+    /// Round ridges with sharp valleys.
+    Pencil,
+    /// Heights from crest to trough, −1 to 1.
+    Heights(Vec<f32>),
+}
+
+impl ProfileChoice {
+    /// The profile; the cosine for heights that make none.
+    pub fn profile(&self) -> Profile {
+        match self {
+            Self::Sine => Profile::sine(),
+            Self::Accordion => Profile::accordion(),
+            Self::Pencil => Profile::pencil(),
+            Self::Heights(list) => Profile::from_list(list).unwrap_or_else(|_| Profile::sine()),
+        }
+    }
+
+    /// Its name for people.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sine => "Sine",
+            Self::Accordion => "Accordion",
+            Self::Pencil => "Pencil pleats",
+            Self::Heights(_) => "From heights",
+        }
+    }
+}
+
+/// What the Live panel sets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Width of one wrinkle in the rest pose (m).
+    pub wavelength_m: f32,
+    /// The wrinkles' profile.
+    pub profile: ProfileChoice,
+    /// Rounds of relaxation a frame.
+    pub rounds: usize,
+    /// Step of each round, a share of the whole way, 0 to ½; the paper's ε is 2π² times it.
+    pub rate: f32,
+    /// Whether the texture shifts with the wrinkles (6.2).
+    pub parallax: bool,
+    /// Name of the clip that plays; none: the model stands in its rest pose.
+    pub clip: Option<String>,
+    /// Time in the clip (s).
+    pub time_s: f32,
+    /// Speed of playing, 1 as it was made.
+    pub speed: f32,
+    /// Spacing λ of folds that grow (m).
+    pub fold_spacing_m: f64,
+    /// Coherence length Λ of folds that grow where none is painted (m).
+    pub coherence_m: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            wavelength_m: 0.05,
+            profile: ProfileChoice::Sine,
+            rounds: 1,
+            rate: 0.25,
+            parallax: true,
+            clip: None,
+            time_s: 0.0,
+            speed: 1.0,
+            fold_spacing_m: 0.1,
+            coherence_m: 0.0,
+        }
+    }
+}
+
+impl Settings {
+    /// What suits `subject`: a wavelength of its size, its first clip, at a time at which its own models wrinkle.
+    pub fn for_subject(subject: &Subject) -> Self {
+        let (wavelength_m, time_s) = match subject.model.name.as_str() {
+            "square" => (0.08, 2.2),
+            "curtain" => (0.12, 1.4),
+            "zeppelin" => (0.45, 1.2),
+            "shirt" => (0.05, 0.5),
+            "sleeve" => (0.025, 0.8),
+            _ => (two_digits(subject.size_m() / 25.0), 0.0),
+        };
+        let clip = subject.model.clips.first().map(|c| c.name.clone());
+        let fold_spacing_m = f64::from(two_digits(mean_edge_m(subject) * 6.0));
+        Self { wavelength_m, clip, time_s, fold_spacing_m, ..Self::default() }
+    }
+
+    /// Keeps every number where the stages can use it: what a file or a field brings in.
+    pub fn clamp(&mut self) {
+        let sane = |x: f32, low: f32, high: f32, other: f32| if x.is_finite() { x.clamp(low, high) } else { other };
+        self.wavelength_m = sane(self.wavelength_m, 1e-5, 1e4, 0.05);
+        self.rate = sane(self.rate, 0.0, 0.5, 0.25);
+        self.time_s = sane(self.time_s, 0.0, 3600.0, 0.0);
+        self.speed = sane(self.speed, 0.0, 4.0, 1.0);
+        self.rounds = self.rounds.min(200);
+        self.fold_spacing_m = if self.fold_spacing_m.is_finite() { self.fold_spacing_m.clamp(1e-5, 1e4) } else { 0.1 };
+        self.coherence_m = if self.coherence_m.is_finite() { self.coherence_m.clamp(0.0, 1e4) } else { 0.0 };
+    }
+
+    /// The paper's ε of the step that is set.
+    pub fn epsilon(&self) -> f32 {
+        2.0 * std::f32::consts::PI.powi(2) * self.rate
+    }
+
+    /// Strength below which wrinkles count as invisible, for those who read out what the stages hold.
+    pub fn visible() -> f32 {
+        relax::VISIBLE
+    }
+}
+
+fn mean_edge_m(subject: &Subject) -> f32 {
+    let (unified, mut sum, mut count) = (&subject.unified, 0.0f64, 0usize);
+    for v in 0..unified.count() {
+        for &n in unified.around(v) {
+            sum += f64::from((unified.vertices.positions[n as usize] - unified.vertices.positions[v]).norm());
+            count += 1;
+        }
+    }
+    (sum / count.max(1) as f64) as f32
+}
+
+/// `x` with two digits, so that fields read well.
+fn two_digits(x: f32) -> f32 {
+    if !(x > 0.0 && x.is_finite()) {
+        return 0.05;
+    }
+    let unit = 10f32.powf(x.log10().floor() - 1.0);
+    (x / unit).round() * unit
+}

@@ -1,0 +1,166 @@
+//! What a document is about: a model with its unified vertices, made here or read from a file, perhaps of a scene.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use plisse::scene::{Built, Scene, build, build_growth, parse};
+use plisse::{Error, Result};
+use plisse_live::model::{Model, Vertices};
+use plisse_live::unify::{Unified, fill_normals, vertex_normals};
+use plisse_live::{Vec2, Vec3, models, wavelength};
+
+/// Vertices closer than this share of the model's size are one place.
+const TOLERANCE: f32 = 1e-5;
+
+/// Where a subject came from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A model of the program's own, one of [`models::NAMES`].
+    Own(String),
+    /// A file.
+    File(PathBuf),
+}
+
+impl Source {
+    /// Its name for people and for files, without folders and extension.
+    pub fn stem(&self) -> String {
+        match self {
+            Self::Own(name) => name.clone(),
+            Self::File(path) => path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned()),
+        }
+    }
+}
+
+/// A scene as text and as what it says.
+#[derive(Clone, Debug)]
+pub struct SceneText {
+    /// The file's text, with what was changed here.
+    pub text: String,
+    /// What it says.
+    pub scene: Scene,
+    /// The scene ready for the solvers.
+    pub built: Arc<Built>,
+}
+
+/// A model that is worked on. Never changes after it is made.
+#[derive(Clone, Debug)]
+pub struct Subject {
+    /// Where it came from.
+    pub source: Source,
+    /// The model as it is drawn.
+    pub model: Model,
+    /// The mesh that is simulated and painted.
+    pub unified: Unified,
+    /// The scene it is the start of, if it came from one.
+    pub scene: Option<SceneText>,
+    /// What readers passed over or mended, a sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Subject {
+    /// The program's own model `name`.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a name that is none of [`models::NAMES`].
+    pub fn own(name: &str) -> Result<Self> {
+        let model = models::by_name(name)?.ok_or_else(|| {
+            let known = models::NAMES.join(", ");
+            Error::value("model", format!("there is none called \"{name}\"; give one of {known}"))
+        })?;
+        Ok(Self::new(Source::Own(name.to_owned()), model))
+    }
+
+    /// A model that is ready.
+    pub fn new(source: Source, mut model: Model) -> Self {
+        let unified = Unified::new(&model, TOLERANCE);
+        fill_normals(&mut model, &unified);
+        Self { source, model, unified, scene: None, notes: Vec::new() }
+    }
+
+    /// The start of the scene in `text`, which came from `path`.
+    ///
+    /// # Errors
+    /// As [`parse`] and [`build`].
+    pub fn scene(path: PathBuf, text: String) -> Result<Self> {
+        let scene = parse(&path, &text)?;
+        let built = ready(&scene)?;
+        let notes = built.notes.clone();
+        let (model, unified) = laid(&built);
+        let scene = SceneText { text, scene, built: Arc::new(built) };
+        Ok(Self { source: Source::File(path), model, unified, scene: Some(scene), notes })
+    }
+
+    /// `[U]` wavelengths (m) that the model's vertex colours ask for, or one for all.
+    pub fn own_wavelength_m(&self, wavelength_m: f32) -> Vec<f32> {
+        wavelength::per_vertex(&self.unified, wavelength_m, self.model.wavelength_share.as_deref())
+    }
+
+    /// Size of the rest pose (m): the diagonal of its box.
+    pub fn size_m(&self) -> f32 {
+        let [low, high] = bounds(&self.unified.vertices.positions);
+        (high - low).norm().max(1e-6)
+    }
+}
+
+/// `scene` ready for the solvers; one that only grows need not be held.
+///
+/// # Errors
+/// As [`build`].
+pub fn ready(scene: &Scene) -> Result<Built> {
+    build(scene).or_else(|error| match &scene.growth {
+        Some(_) => build_growth(scene).map(|grown| grown.built),
+        None => Err(error),
+    })
+}
+
+/// Lowest and highest corner of the finite `positions`; zeros without any.
+pub fn bounds(positions: &[Vec3]) -> [Vec3; 2] {
+    let finite = || positions.iter().filter(|p| p.iter().all(|x| x.is_finite()));
+    let low = finite().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
+    let high = finite().fold(Vec3::repeat(f32::NEG_INFINITY), |a, p| a.sup(p));
+    if low.x <= high.x { [low, high] } else { [Vec3::zeros(); 2] }
+}
+
+/// A place of a scene, whose z points up, as it is shown, with y up.
+pub fn shown(p: &plisse::mesh::Vec3) -> Vec3 {
+    Vec3::new(p.x as f32, p.z as f32, -p.y as f32)
+}
+
+/// The other way round.
+pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
+    plisse::mesh::Vec3::new(f64::from(p.x), -f64::from(p.z), f64::from(p.y))
+}
+
+/// The start of a scene as a model. Its vertices are the scene's, one by one: panels that lie on each other stay apart.
+fn laid(built: &Built) -> (Model, Unified) {
+    let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
+    let faces: Vec<[u32; 3]> = built.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
+    let mut model = Model::rigid(&built.title, positions.clone(), vec![Vec2::zeros(); positions.len()], faces.clone());
+    model.draw.normals = vertex_normals(&positions, &faces);
+    let unified = one_to_one(&model);
+    (model, unified)
+}
+
+/// The unified mesh in which every draw vertex stays what it is.
+pub fn one_to_one(model: &Model) -> Unified {
+    let count = model.draw.positions.len();
+    let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(6 * model.faces.len());
+    for face in &model.faces {
+        for k in 0..3 {
+            let (i, j) = (face[k], face[(k + 1) % 3]);
+            pairs.extend([[i, j], [j, i]]);
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    let mut starts = vec![0u32; count + 1];
+    pairs.iter().for_each(|pair| starts[pair[0] as usize + 1] += 1);
+    (0..count).for_each(|v| starts[v + 1] += starts[v]);
+    Unified {
+        vertices: Vertices { ..model.draw.clone() },
+        vertex_of_draw: (0..count as u32).collect(),
+        faces: model.faces.clone(),
+        starts,
+        neighbours: pairs.iter().map(|p| p[1]).collect(),
+    }
+}

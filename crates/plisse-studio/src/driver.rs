@@ -1,0 +1,214 @@
+//! Runs a script, step by step, frame by frame.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use egui::{ColorImage, ScreenshotCallback, ViewportCommand};
+use plisse::picture::Image;
+use plisse::{Error, Result};
+use plisse_live::Vec2;
+
+use crate::commands::Command;
+use crate::document::{Action, Falloff, Heading, Layer, Mirror};
+use crate::script::Step;
+use crate::studio::{Looking, Studio, Tab};
+use crate::view::View;
+use crate::work::export::Kind;
+
+/// Frames that must go by with nothing on its way for the program to count as settled.
+const CALM: usize = 4;
+
+/// A script on its way.
+pub struct Driver {
+    steps: Vec<Step>,
+    at: usize,
+    /// Nothing happens before this time (s).
+    waits_s: f64,
+    calm: usize,
+    /// The points of a stroke that are still to come.
+    stroke: Vec<Vec2>,
+    shot: Option<(PathBuf, Arc<Mutex<Option<Arc<ColorImage>>>>)>,
+}
+
+impl Driver {
+    /// Before the first step.
+    pub fn new(steps: Vec<Step>) -> Self {
+        Self { steps, at: 0, waits_s: 0.0, calm: 0, stroke: Vec::new(), shot: None }
+    }
+
+    /// Whether all is done.
+    pub fn is_done(&self) -> bool {
+        self.at >= self.steps.len() && self.shot.is_none() && self.stroke.is_empty()
+    }
+
+    /// Goes on by one step, if it is time.
+    ///
+    /// # Errors
+    /// [`Error::Value`] naming the line of a step that cannot be done; [`Error::File`] for a picture that cannot be written.
+    pub fn go(&mut self, studio: &mut Studio, ctx: &egui::Context, now_s: f64) -> Result<()> {
+        ctx.request_repaint();
+        if let Some((path, image)) = &self.shot {
+            let Some(image) = image.lock().ok().and_then(|mut i| i.take()) else { return Ok(()) };
+            write(path, &image)?;
+            self.shot = None;
+            return Ok(());
+        }
+        if now_s < self.waits_s {
+            return Ok(());
+        }
+        if !self.stroke.is_empty() {
+            // One point a frame, as a hand would.
+            let point = self.stroke.remove(0);
+            studio.stroke(point);
+            if self.stroke.is_empty() {
+                studio.end_stroke();
+            }
+            return Ok(());
+        }
+        let Some(step) = self.steps.get(self.at).cloned() else { return Ok(()) };
+        if step.word == "settle" {
+            self.calm = if studio.is_idle() && studio.sheet.is_some() { self.calm + 1 } else { 0 };
+            if self.calm < CALM {
+                return Ok(());
+            }
+            self.calm = 0;
+        }
+        self.at += 1;
+        self.step(&step, studio, ctx, now_s)
+    }
+
+    fn step(&mut self, step: &Step, studio: &mut Studio, ctx: &egui::Context, now_s: f64) -> Result<()> {
+        let unknown = |what: &str| Error::value(format!("script, line {}", step.line), format!("there is no {what}; correct it"));
+        match step.word.as_str() {
+            "settle" => {}
+            "open" => match step.text(0)? {
+                name if plisse_live::models::NAMES.contains(&name) => studio.show_own(name),
+                path => studio.open(Path::new(path)),
+            },
+            "tab" => {
+                let name = step.rest.join(" ");
+                studio.tab = Tab::ALL.into_iter().find(|t| t.name().eq_ignore_ascii_case(&name)).ok_or_else(|| unknown("such tab"))?;
+            }
+            "view" => {
+                let name = step.text(0)?;
+                studio.view = match name {
+                    "painted" => View::Painted(studio.brush.layer),
+                    name => View::MAIN.into_iter().find(|v| v.word() == name).ok_or_else(|| unknown("such view"))?,
+                };
+            }
+            "show" => {
+                studio.looking = match step.text(0)? {
+                    "model" => Looking::Live,
+                    "solved" => Looking::Solved,
+                    "grown" => Looking::Grown,
+                    _ => return Err(unknown("such surface")),
+                }
+            }
+            "time" => (studio.document.settings.time_s, studio.playing) = (step.number(0)?, false),
+            "clip" => studio.document.settings.clip = Some(step.rest.join(" ")).filter(|c| c != "none"),
+            "wavelength" => studio.document.settings.wavelength_m = step.number(0)?,
+            "play" => studio.playing = true,
+            "hold" => studio.playing = false,
+            "orbit" => studio.table.orbit(step.number(0)?.to_radians(), step.number(1)?.to_radians()),
+            "zoom" => studio.table.zoom(step.number(0)?),
+            "fit" => studio.fit(),
+            "brush" => brush(step, studio)?,
+            "stroke" => {
+                let numbers = (0..step.rest.len()).map(|k| step.number(k)).collect::<Result<Vec<f32>>>()?;
+                self.stroke = numbers.chunks_exact(2).map(|p| Vec2::new(p[0], p[1])).collect();
+            }
+            "undo" => studio.run(Command::Undo),
+            "redo" => studio.run(Command::Redo),
+            "solve" => studio.solve_or_stop(),
+            "grow" => studio.grow_or_stop(),
+            "spacing" => studio.document.settings.fold_spacing_m = f64::from(step.number(0)?),
+            "take" => {
+                let kind = match step.text(0)? {
+                    "surface" => Kind::Surface,
+                    "maps" => Kind::Maps,
+                    "field" => Kind::Field,
+                    "paint" => Kind::Paint,
+                    "scene" => Kind::SceneFiles,
+                    _ => return Err(unknown("such kind of file")),
+                };
+                studio.take(kind, PathBuf::from(step.text(1)?));
+            }
+            "save" => studio.save(Path::new(step.text(0)?)),
+            "wait" => self.waits_s = now_s + f64::from(step.number(0)?),
+            "lose-gpu" => studio.lose_device(),
+            "screenshot" => {
+                let image = Arc::new(Mutex::new(None));
+                let theirs = Arc::clone(&image);
+                let taken = ScreenshotCallback::new(move |picture| {
+                    if let Ok(mut there) = theirs.lock() {
+                        *there = Some(picture);
+                    }
+                });
+                ctx.send_viewport_cmd(ViewportCommand::Screenshot(taken));
+                self.shot = Some((PathBuf::from(step.text(0)?), image));
+            }
+            "quit" => studio.quits = true,
+            _ => return Err(unknown(&format!("command \"{}\"", step.word))),
+        }
+        Ok(())
+    }
+}
+
+fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
+    let unknown = || Error::value(format!("script, line {}", step.line), "the brush has no such thing; correct it");
+    let value = step.text(1)?;
+    match step.text(0)? {
+        "layer" => {
+            let layer = match value {
+                "wrinkles" => Layer::Wrinkles,
+                "wavelength" => Layer::Wavelength,
+                "expansion" => Layer::Expansion,
+                "coherence" => Layer::Coherence,
+                "freeze" => Layer::Freeze,
+                _ => return Err(unknown()),
+            };
+            studio.choose_layer(layer);
+        }
+        "radius" => studio.brush.radius_m = step.number(1)?,
+        "strength" => studio.brush.strength = step.number(1)?,
+        "value" => studio.brush.value = step.number(1)?,
+        "heading" => {
+            studio.brush.heading = match value {
+                "along" => Heading::AlongStroke,
+                "across" => Heading::AcrossStroke,
+                "screen" => Heading::Screen,
+                "isotropic" => Heading::Isotropic,
+                _ => return Err(unknown()),
+            }
+        }
+        "mirror" => {
+            studio.brush.mirror = match value {
+                "off" => Mirror::Off,
+                "x" => Mirror::X,
+                "y" => Mirror::Y,
+                "z" => Mirror::Z,
+                _ => return Err(unknown()),
+            }
+        }
+        "falloff" => {
+            studio.brush.falloff = match value {
+                "smooth" => Falloff::Smooth,
+                "linear" => Falloff::Linear,
+                "hard" => Falloff::Hard,
+                _ => return Err(unknown()),
+            }
+        }
+        "action" => studio.brush.action = if value == "erase" { Action::Erase } else { Action::Paint },
+        _ => return Err(unknown()),
+    }
+    Ok(())
+}
+
+fn write(path: &Path, image: &ColorImage) -> Result<()> {
+    let pixels = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
+    let image = Image { width: image.size[0], height: image.size[1], pixels };
+    let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
+    let mut folder = plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
+    folder.write(name, |out| plisse::picture::write_png(&image, out))?;
+    folder.commit().map(|_| ())
+}

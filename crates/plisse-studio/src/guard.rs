@@ -1,0 +1,139 @@
+//! Keeps the work: an autosave that outlives a kill, and an eye on the files that are open.
+
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use plisse::Result;
+
+use crate::document::{Document, Source};
+use crate::open;
+
+/// Seconds between autosaves, and between looks at files.
+const AUTOSAVE_S: f64 = 20.0;
+const WATCH_S: f64 = 1.5;
+
+/// What is kept in the autosave's folder: one file for each process, with the folder that paths in it are relative to.
+#[derive(Debug)]
+pub struct Guard {
+    /// Where autosaves lie; none: nowhere to write.
+    folder: Option<PathBuf>,
+    /// Revision that was autosaved last.
+    kept: u64,
+    last_autosave_s: f64,
+    last_watch_s: f64,
+    /// Files that are open, with the times they had.
+    watched: Vec<(PathBuf, Option<SystemTime>)>,
+}
+
+/// An autosave that a program left which did not end by itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Left {
+    /// The file.
+    pub path: PathBuf,
+    /// The name of what was worked on.
+    pub name: String,
+}
+
+/// Where this system keeps what programs need between runs.
+pub fn usual_folder() -> Option<PathBuf> {
+    let env = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
+    let state = env("XDG_STATE_HOME").or_else(|| env("LOCALAPPDATA")).or_else(|| env("HOME").map(|h| h.join(".local").join("state")));
+    state.map(|s| s.join("plisse-studio"))
+}
+
+impl Guard {
+    /// Keeps autosaves in `folder`.
+    pub fn new(folder: Option<PathBuf>) -> Self {
+        Self { folder, kept: 0, last_autosave_s: 0.0, last_watch_s: 0.0, watched: Vec::new() }
+    }
+
+    /// Watches what `document` came from from now on.
+    pub fn watch(&mut self, document: &Document) {
+        self.kept = document.revision;
+        self.watched = match &document.subject.source {
+            Source::Own(_) => Vec::new(),
+            Source::File(path) => vec![(path.clone(), changed(path))],
+        };
+    }
+
+    /// A file that is open and has changed on the disk since it was read; told once for each change.
+    pub fn look(&mut self, now_s: f64) -> Option<PathBuf> {
+        if now_s - self.last_watch_s < WATCH_S {
+            return None;
+        }
+        self.last_watch_s = now_s;
+        for (path, known) in &mut self.watched {
+            let there = changed(path);
+            // A file that is away may be on its way: programs replace files by renaming.
+            if there.is_some() && there != *known {
+                *known = there;
+                return Some(path.clone());
+            }
+        }
+        None
+    }
+
+    /// Keeps `document` if it changed since the last time and it is time again.
+    ///
+    /// # Errors
+    /// [`plisse::Error::File`] if it cannot be written.
+    pub fn autosave(&mut self, document: &Document, now_s: f64) -> Result<bool> {
+        if document.revision == self.kept || now_s - self.last_autosave_s < AUTOSAVE_S {
+            return Ok(false);
+        }
+        self.last_autosave_s = now_s;
+        self.keep(document)?;
+        Ok(true)
+    }
+
+    /// Keeps `document` now.
+    ///
+    /// # Errors
+    /// [`plisse::Error::File`] if it cannot be written.
+    pub fn keep(&mut self, document: &Document) -> Result<()> {
+        if let Some(folder) = &self.folder {
+            open::save(document, &folder.join(own_name()))?;
+        }
+        self.kept = document.revision;
+        Ok(())
+    }
+
+    /// The program ends by itself: nothing is left to recover.
+    pub fn clear(&self) {
+        if let Some(folder) = &self.folder {
+            let _ = std::fs::remove_file(folder.join(own_name()));
+        }
+    }
+
+    /// Autosaves of programs that are gone, the newest first.
+    pub fn left(&self) -> Vec<Left> {
+        let Some(folder) = &self.folder else { return Vec::new() };
+        let mut found: Vec<(SystemTime, Left)> = Vec::new();
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let process =
+                name.strip_prefix("autosave-").and_then(|n| n.strip_suffix(open::DOCUMENT_END)).and_then(|n| n.parse::<u32>().ok());
+            let Some(process) = process.filter(|&p| p != std::process::id() && !is_alive(p)) else { continue };
+            let path = entry.path();
+            let saved = std::fs::read_to_string(&path).ok().and_then(|t| crate::document::saved::read(&name, &t).ok());
+            let name = saved.and_then(|s| s.model.own.or(s.model.file)).unwrap_or_else(|| format!("process {process}"));
+            let name = Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into_owned());
+            found.push((changed(&path).unwrap_or(SystemTime::UNIX_EPOCH), Left { path, name }));
+        }
+        found.sort_by(|a, b| b.0.cmp(&a.0));
+        found.into_iter().map(|f| f.1).collect()
+    }
+}
+
+fn own_name() -> String {
+    format!("autosave-{}{}", std::process::id(), open::DOCUMENT_END)
+}
+
+/// Whether a process runs; where that cannot be told, none does.
+fn is_alive(process: u32) -> bool {
+    Path::new("/proc").join(process.to_string()).exists()
+}
+
+fn changed(path: &Path) -> Option<SystemTime> {
+    std::fs::metadata(path).and_then(|m| m.modified()).ok()
+}

@@ -1,0 +1,140 @@
+//! The files that `plisse solve` makes of a scene, by the same steps in the same order, so that they are the same to the bit; and the scene
+//! file itself with the files it names, so that `plisse solve` can make them again.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use plisse::bake::islands::side_by_side;
+use plisse::field::{WrinkleField, curvature::vertex_normals, solve};
+use plisse::io::aside::OutputFolder;
+use plisse::io::{glb, obj};
+use plisse::mesh::subdivide::refine_rest;
+use plisse::mesh::{Vec2, Vec3};
+use plisse::progress::Observer;
+use plisse::scene::Built;
+use plisse::shell::solve_base;
+use plisse::{Error, Result};
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+use super::job::Reporter;
+use super::solve::{fine_surface, levels_in_files};
+use crate::document::SceneText;
+
+/// Colour of the wrinkled surface in files (linear RGBA), as `plisse solve` has it.
+const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
+
+type Texture = (Vec<Vec2>, Vec<[usize; 3]>);
+
+/// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (but picture and report) into `folder`.
+///
+/// # Errors
+/// [`Error::File`] if something cannot be read or written; [`Error::Value`] if it was stopped; as the solves.
+pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) -> Result<Vec<PathBuf>> {
+    let (text, named) = portable(&scene.text, scene.scene.file.parent().unwrap_or(Path::new(".")))?;
+    let mut out = OutputFolder::create(folder)?;
+    for (name, from) in &named {
+        let bytes = std::fs::read(from).map_err(|e| Error::reading(from, e))?;
+        out.write(name, |file| file.write_all(&bytes))?;
+    }
+    out.write("scene.toml", |file| file.write_all(text.as_bytes()))?;
+    reporter.stage("base surface", Some(0.1));
+    // From the scene's own start: what the window shows may have been reached from elsewhere.
+    let built = &scene.built;
+    let (pose, _) = solve_base(&built.setup(), &built.start, &built.base, reporter)?;
+    reporter.stage("wrinkle field", Some(0.5));
+    let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;
+    if reporter.cancelled() {
+        return Err(Error::value("take away", "it was stopped, nothing was written; begin it again"));
+    }
+    reporter.stage("files", Some(0.8));
+    meshes(&mut out, built, &pose, &solved.field)?;
+    out.commit()
+}
+
+fn meshes(out: &mut OutputFolder, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Result<()> {
+    let topology = &built.topology;
+    let levels = levels_in_files(built, field);
+    let (fine, wrinkled) = fine_surface(built, pose, field, levels);
+    let coarse = built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces));
+    let refined = coarse.clone().map(|coarse| (0..levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));
+    let coarse = coarse.as_ref().map(|t| (&t.0[..], &t.1[..]));
+    let refined = refined.as_ref().map(|t| (&t.0[..], &t.1[..]));
+    out.write("base.obj", |file| obj::write(file, pose, &topology.faces, coarse))?;
+    out.write("wrinkled.obj", |file| obj::write(file, &wrinkled, &fine.topology.faces, refined))?;
+    let normals = vertex_normals(&fine.topology, &wrinkled);
+    let mesh = glb::Mesh { positions: &wrinkled, normals: &normals, faces: &fine.topology.faces, texture: refined };
+    out.write("wrinkled.glb", |file| glb::write(file, &mesh, CLOTH, glb::UpAxis::Z))?;
+    out.write("field.json", |file| plisse::field::json::write(file, topology, field))
+}
+
+/// Texture coordinates from flat rest panels: their rest positions, side by side in the unit square.
+fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<Texture> {
+    let first = *rest_positions.first()?;
+    let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let size = (high - low).x.max((high - low).y);
+    if (high - low).z > 1e-9 * size {
+        return None;
+    }
+    let flat: Vec<Vec2> = rest_positions.iter().map(|p| p.xy()).collect();
+    Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
+}
+
+/// The scene's text with plain names for the files it names, and where those lie, by the names they get. Comments stay.
+///
+/// # Errors
+/// [`Error::Value`] for a text that is no TOML.
+pub fn portable(text: &str, folder: &Path) -> Result<(String, BTreeMap<String, PathBuf>)> {
+    let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
+    let mut document: DocumentMut = text.parse().map_err(|e| bad(&e))?;
+    let mut named = BTreeMap::new();
+    rename(document.as_table_mut(), folder, &mut named);
+    Ok((if named.is_empty() { text.to_owned() } else { document.to_string() }, named))
+}
+
+fn rename(table: &mut dyn TableLike, folder: &Path, named: &mut BTreeMap<String, PathBuf>) {
+    for (key, item) in table.iter_mut() {
+        let is_path = ["worn", "rest", "file"].contains(&key.get());
+        match item {
+            Item::Table(inner) => rename(inner, folder, named),
+            Item::ArrayOfTables(list) => list.iter_mut().for_each(|t| rename(t, folder, named)),
+            Item::Value(value) => rename_value(value, is_path, folder, named),
+            Item::None => {}
+        }
+    }
+}
+
+fn rename_value(value: &mut Value, is_path: bool, folder: &Path, named: &mut BTreeMap<String, PathBuf>) {
+    match value {
+        Value::String(text) if is_path => {
+            let from = folder.join(text.value());
+            let mut name = from.file_name().map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
+            while named.get(&name).is_some_and(|there| *there != from) {
+                name = format!("_{name}");
+            }
+            named.insert(name.clone(), from);
+            let around = value.decor().clone();
+            *value = Value::from(name);
+            *value.decor_mut() = around;
+        }
+        Value::InlineTable(inner) => rename(inner, folder, named),
+        Value::Array(list) => list.iter_mut().for_each(|v| rename_value(v, false, folder, named)),
+        _ => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_get_plain_names_and_comments_stay() {
+        let text = "# mine\ntitle = \"t\"\n[mesh]\nworn = \"a/w.obj\" # worn\n[[obstacle]]\nname = \"o\"\nkind = \"mesh\"\nfile = \"b/w.obj\"\n\
+                    [growth]\nwavelength_m = { kind = \"image\", low = 0.0, high = 1, file = \"m.png\" }\n";
+        let (found, named) = portable(text, Path::new("/x")).unwrap();
+        assert!(found.starts_with("# mine\n") && found.contains("# worn"), "{found}");
+        let names: Vec<(&str, &str)> = named.iter().map(|(n, p)| (n.as_str(), p.to_str().unwrap())).collect();
+        assert_eq!(names, [("_w.obj", "/x/b/w.obj"), ("m.png", "/x/m.png"), ("w.obj", "/x/a/w.obj")]);
+        assert!(found.contains("worn = \"w.obj\"") && found.contains("file = \"_w.obj\"") && found.contains("file = \"m.png\""), "{found}");
+        assert_eq!(portable("title = 1.50 # as it is", Path::new(".")).unwrap().0, "title = 1.50 # as it is");
+    }
+}

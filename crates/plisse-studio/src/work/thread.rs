@@ -1,0 +1,27 @@
+//! Threads, where there are any. In a web page there are none yet: work is done at once, where it is asked for.
+
+/// Runs `work` on a thread called `name`; here and now where there are no threads, or none can be had.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
+    let work = std::sync::Arc::new(std::sync::Mutex::new(Some(work)));
+    let theirs = std::sync::Arc::clone(&work);
+    let run = move || {
+        let taken = theirs.lock().ok().and_then(|mut w| w.take());
+        if let Some(work) = taken {
+            work();
+        }
+    };
+    // A system without room for a thread still gets its answer.
+    if std::thread::Builder::new().name(name.to_owned()).spawn(run).is_err() {
+        let taken = work.lock().ok().and_then(|mut w| w.take());
+        if let Some(work) = taken {
+            work();
+        }
+    }
+}
+
+/// Runs `work` here and now.
+#[cfg(target_arch = "wasm32")]
+pub fn spawn(_name: &str, work: impl FnOnce() + 'static) {
+    work();
+}

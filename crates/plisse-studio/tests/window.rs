@@ -1,0 +1,478 @@
+//! The whole program without a window: open, paint, undo, solve, take away, and what happens when something goes wrong.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use egui::{Key, Modifiers, PointerButton, Pos2, pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use plisse_studio::document::Layer;
+use plisse_studio::view::View;
+use plisse_studio::work::export::Kind;
+use plisse_studio::{Looking, Start, Studio, Tab};
+
+/// Middle of the picture, in the window of these tests.
+const MIDDLE: Pos2 = pos2(700.0, 400.0);
+
+fn studio(gpu: bool, keep: Option<PathBuf>) -> Studio {
+    Studio::new(Start { gpu, keep, wake: Arc::new(|| {}) }).unwrap()
+}
+
+fn window(studio: Studio) -> Harness<'static, Studio> {
+    let builder = Harness::builder().with_size(egui::vec2(1100.0, 760.0)).with_step_dt(1.0 / 60.0).with_max_steps(4);
+    builder.build_ui_state(|ui, studio: &mut Studio| studio.ui(ui), studio)
+}
+
+/// Frames until nothing is on its way and a picture is there.
+fn settle(harness: &mut Harness<'static, Studio>) {
+    let begun = Instant::now();
+    let mut calm = 0;
+    while calm < 3 {
+        harness.step();
+        calm = if harness.state().is_idle() && harness.state().sheet.is_some() { calm + 1 } else { 0 };
+        assert!(begun.elapsed() < Duration::from_secs(240), "it does not settle: {:?}", harness.state().messages.last());
+        std::thread::sleep(Duration::from_millis(4));
+    }
+}
+
+fn drag(harness: &mut Harness<'static, Studio>, points: &[Pos2]) {
+    let button = |pressed, pos| egui::Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
+    harness.event(egui::Event::PointerMoved(points[0]));
+    harness.step();
+    harness.event(button(true, points[0]));
+    harness.step();
+    for &point in &points[1..] {
+        harness.event(egui::Event::PointerMoved(point));
+        harness.step();
+    }
+    harness.event(button(false, points[points.len() - 1]));
+    harness.step();
+    harness.step();
+}
+
+/// Presses the button with this text.
+fn press(harness: &mut Harness<'static, Studio>, label: &str) {
+    harness.get_by_role_and_label(egui::accesskit::Role::Button, label).click();
+    harness.step();
+}
+
+/// Whether the window says so, somewhere.
+#[track_caller]
+fn says(harness: &Harness<'static, Studio>, part: &str) {
+    assert!(harness.query_all_by_label_contains(part).next().is_some(), "the window does not say {part:?}");
+}
+
+fn numbers(studio: &Studio) -> Vec<[u32; 4]> {
+    Layer::ALL.into_iter().flat_map(|l| studio.document.layers.of(l).iter().map(|x| x.map(f32::to_bits)).collect::<Vec<_>>()).collect()
+}
+
+fn folder(name: &str) -> PathBuf {
+    let path = std::env::temp_dir().join(format!("plisse-studio-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+const SCENE: &str = r#"# A small sheet that is sheared.
+title = "Small sheet"
+
+[material]
+young_pa = 1e6 # soft
+poisson = 0.3
+thickness_m = 1e-4
+
+[[panel]]
+name = "sheet"
+shape = "rectangle"
+width_m = 0.3
+height_m = 0.1
+edge_length_m = 0.02
+
+[[clamp]]
+side = "sheet.bottom"
+
+[[clamp]]
+side = "sheet.top"
+move_m = [0.006, 0.0, 0.0]
+"#;
+
+#[test]
+fn it_begins_with_a_model_that_wrinkles() {
+    let mut harness = window(studio(false, None));
+    let begun = Instant::now();
+    while harness.state().sheet.is_none() {
+        harness.step();
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    eprintln!("first picture after {:.0} ms", begun.elapsed().as_secs_f64() * 1e3);
+    let sheet = harness.state().sheet.clone().unwrap();
+    let state = sheet.state.unwrap();
+    assert!(state.crushed.strength.iter().filter(|&&s| s > 0.3).count() > 40, "the curtain wrinkles");
+    // The picture shows it: many colours, and the model fills it.
+    let background = plisse_live::draw::BACKGROUND;
+    let covered = sheet.image.pixels.chunks(3).filter(|p| *p != background).count();
+    let share = covered as f64 / (sheet.image.pixels.len() / 3) as f64;
+    assert!((0.2..0.95).contains(&share), "{share}");
+    press(&mut harness, "Take away");
+    harness.step();
+    assert_eq!(harness.state().tab, Tab::TakeAway);
+}
+
+#[test]
+fn a_stroke_is_painted_with_the_pointer_and_undone_with_the_keys() {
+    let mut harness = window(studio(false, None));
+    harness.state_mut().playing = false;
+    harness.state_mut().document.settings.time_s = 0.3;
+    press(&mut harness, "Paint");
+    settle(&mut harness);
+    assert_eq!(harness.state().tab, Tab::Paint);
+    harness.state_mut().brush.radius_m = 0.35;
+    let before = numbers(harness.state());
+    let camera = harness.state().table;
+    drag(&mut harness, &[MIDDLE, pos2(720.0, 430.0), pos2(745.0, 470.0), pos2(760.0, 500.0)]);
+    let after = numbers(harness.state());
+    assert_ne!(before, after, "{:?}", harness.state().messages.last());
+    assert_eq!(harness.state().document.history.done().len(), 1);
+    assert_eq!(harness.state().table, camera, "painting turns nothing");
+    let changed = harness.state().document.history.done()[0].vertices.len();
+    assert!((4..60).contains(&changed), "{changed}");
+    assert!(harness.state().is_unsaved());
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.step();
+    harness.step();
+    assert_eq!(numbers(harness.state()), before);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.step();
+    harness.step();
+    assert_eq!(numbers(harness.state()), after);
+    // A drag beside the model turns it instead.
+    drag(&mut harness, &[pos2(345.0, 720.0), pos2(365.0, 700.0), pos2(385.0, 690.0)]);
+    assert_ne!(harness.state().table, camera);
+    assert_eq!(numbers(harness.state()), after);
+}
+
+#[test]
+fn every_view_has_a_key_and_another_picture() {
+    let mut harness = window(studio(false, None));
+    harness.state_mut().playing = false;
+    let mut seen: Vec<Vec<u8>> = Vec::new();
+    for (n, key) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6].into_iter().enumerate() {
+        harness.key_press(key);
+        harness.step();
+        assert_eq!(harness.state().view, View::MAIN[n]);
+        harness.state_mut().sheet = None;
+        settle(&mut harness);
+        let sheet = harness.state().sheet.clone().unwrap();
+        assert!(!seen.contains(&sheet.image.pixels), "{:?} shows what another view shows", View::MAIN[n]);
+        assert_eq!(sheet.legend.is_some(), matches!(View::MAIN[n], View::Strain | View::Amplitude | View::Phase));
+        assert_eq!(!sheet.marks.is_empty(), View::MAIN[n] == View::Direction);
+        seen.push(sheet.image.pixels);
+    }
+}
+
+#[test]
+fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
+    let folder = folder("solve");
+    let path = folder.join("small.toml");
+    std::fs::write(&path, SCENE).unwrap();
+    let mut harness = window(studio(false, None));
+    harness.state_mut().open(&path);
+    settle(&mut harness);
+    assert_eq!(harness.state().tab, Tab::Physics);
+    press(&mut harness, "Solve");
+    settle(&mut harness);
+    let solved = harness.state().physics.solved.clone().expect("solved");
+    assert_eq!(harness.state().looking, Looking::Solved);
+    assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
+    // Another constant: it goes on from where it was, and needs fewer iterations than from the start.
+    let fabric =
+        plisse_studio::document::scene_edit::Edit::Material { young_pa: 1.1e6, poisson: 0.3, thickness_m: 1e-4, density_kg_m3: None };
+    harness.state_mut().edit_scene(&fabric);
+    harness.state_mut().solve_or_stop();
+    settle(&mut harness);
+    let again = harness.state().physics.solved.clone().expect("solved again");
+    let (first, next) = (solved.base.iterations, again.base.iterations);
+    assert!(2 * next <= first, "{next} iterations after {first}");
+    // Taken away.
+    let out = folder.join("out");
+    harness.state_mut().take(Kind::SceneFiles, out.clone());
+    settle(&mut harness);
+    assert_eq!(harness.state().taking.written.len(), 5, "{:?}", harness.state().messages.last());
+    let text = std::fs::read_to_string(out.join("scene.toml")).unwrap();
+    assert!(text.starts_with("# A small sheet") && text.contains("1100000.0 # soft"), "{text}");
+    same_as_the_library(&out);
+    same_as_the_command(&out);
+    for name in ["s.obj", "s.ply", "s.glb"] {
+        harness.state_mut().take(Kind::Surface, folder.join(name));
+        settle(&mut harness);
+        assert!(std::fs::metadata(folder.join(name)).unwrap().len() > 1000, "{name}");
+    }
+    harness.state_mut().take(Kind::Field, folder.join("field.json"));
+    settle(&mut harness);
+    assert!(folder.join("field.json").exists());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// The scene file that was taken away, solved by the library's calls, gives the bytes beside it.
+fn same_as_the_library(out: &Path) {
+    let built = plisse::scene::build(&plisse::scene::read(out.join("scene.toml")).unwrap()).unwrap();
+    let silent = plisse::progress::Silent;
+    let (pose, _) = plisse::shell::solve_base(&built.setup(), &built.start, &built.base, &silent).unwrap();
+    let held = built.clamps.held();
+    let solved = plisse::field::solve(&built.topology, &built.rest, &pose, &held, &built.material, &built.field, &silent).unwrap();
+    let mut bytes = Vec::new();
+    plisse::field::json::write(&mut bytes, &built.topology, &solved.field).unwrap();
+    assert!(bytes == std::fs::read(out.join("field.json")).unwrap(), "field.json differs");
+}
+
+/// The same by the command itself, where it was built beside this test.
+fn same_as_the_command(out: &Path) {
+    let test = std::env::current_exe().unwrap();
+    let Some(command) = test.ancestors().skip(1).take(3).map(|f| f.join("plisse")).find(|p| p.is_file()) else {
+        eprintln!("plisse is not built beside this test; only the library was compared");
+        return;
+    };
+    let again = out.join("again");
+    let run = std::process::Command::new(command).arg("solve").arg(out.join("scene.toml")).arg("-o").arg(&again).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    for name in ["base.obj", "wrinkled.obj", "wrinkled.glb", "field.json"] {
+        assert!(std::fs::read(out.join(name)).unwrap() == std::fs::read(again.join(name)).unwrap(), "{name} differs");
+    }
+    eprintln!("four files are the same as those of plisse solve");
+}
+
+#[test]
+fn live_waves_are_taken_away_and_a_full_disk_loses_nothing() {
+    let folder = folder("take");
+    let mut harness = window(studio(false, None));
+    harness.state_mut().playing = false;
+    harness.state_mut().taking.map_size = 256;
+    settle(&mut harness);
+    harness.state_mut().tab = Tab::Paint;
+    harness.state_mut().brush.radius_m = 0.4;
+    drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
+    for (kind, name) in
+        [(Kind::Surface, "c.glb"), (Kind::Surface, "c.obj"), (Kind::Maps, "maps"), (Kind::Paint, "paint"), (Kind::Field, "f.json")]
+    {
+        harness.state_mut().take(kind, folder.join(name));
+        settle(&mut harness);
+        assert!(folder.join(name).exists(), "{kind:?}: {:?}", harness.state().messages.last());
+    }
+    assert!(folder.join("maps/height.png").exists() && folder.join("maps/bias.json").exists() && folder.join("paint/bias.json").exists());
+    assert!(!harness.state().messages.open, "{:?}", harness.state().messages.last());
+    // No scene, no scene files; an unknown format; and a disk without room.
+    let before = numbers(harness.state());
+    for (kind, path, part) in [
+        (Kind::SceneFiles, folder.join("x"), "came from no scene"),
+        (Kind::Surface, folder.join("x.fbx"), "let it end in .obj"),
+        (Kind::Surface, full_disk(&folder).join("x.obj"), "writing failed"),
+    ] {
+        harness.state_mut().take(kind, path);
+        settle(&mut harness);
+        let message = harness.state().messages.last().unwrap().text.clone();
+        assert!(harness.state().messages.open && message.contains(part), "{message}");
+        assert!(message.contains("your work is still here"), "{message}");
+        harness.step();
+        says(&harness, part);
+        harness.state_mut().messages.open = false;
+    }
+    assert_eq!(numbers(harness.state()), before);
+    let _ = std::process::Command::new("umount").arg(folder.join("full")).output();
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A folder on a disk of 64 kB, where one can be had; else one in which nothing can be written.
+fn full_disk(folder: &Path) -> PathBuf {
+    let full = folder.join("full");
+    std::fs::create_dir_all(&full).unwrap();
+    let mount = std::process::Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(&full).output();
+    if mount.is_ok_and(|m| m.status.success()) {
+        return full;
+    }
+    eprintln!("no small disk can be mounted here; a file stands where the folder should be");
+    let file = folder.join("no-folder");
+    std::fs::write(&file, "").unwrap();
+    file
+}
+
+#[test]
+fn bad_files_and_files_that_change_are_told_in_the_window() {
+    let folder = folder("watch");
+    let mut harness = window(studio(false, None));
+    settle(&mut harness);
+    let bad = folder.join("bad.glb");
+    std::fs::write(&bad, "glTF and then nothing").unwrap();
+    harness.state_mut().open(&bad);
+    harness.step();
+    harness.step();
+    says(&harness, "bad.glb");
+    assert_eq!(harness.state().document.subject.source.stem(), "curtain", "what was open stays");
+    press(&mut harness, "Close");
+    harness.step();
+    assert!(!harness.state().messages.open);
+    let path = folder.join("small.toml");
+    std::fs::write(&path, SCENE).unwrap();
+    harness.state_mut().open(&path);
+    settle(&mut harness);
+    std::thread::sleep(Duration::from_millis(20));
+    std::fs::write(&path, SCENE.replace("0.006", "0.007")).unwrap();
+    for _ in 0..200 {
+        harness.step();
+    }
+    says(&harness, "has changed since it was read");
+    assert_eq!(harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0], 0.006);
+    press(&mut harness, "Read again");
+    harness.step();
+    harness.step();
+    assert_eq!(harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0], 0.007);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
+    let folder = folder("choose");
+    let mut harness = window(studio(false, None));
+    harness.state_mut().playing = false;
+    harness.state_mut().tab = Tab::Paint;
+    settle(&mut harness);
+    harness.state_mut().brush.radius_m = 0.4;
+    drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
+    let painted = numbers(harness.state());
+    assert!(harness.state().is_unsaved());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    harness.step();
+    harness.step();
+    let path = folder.join("mine.plisse.json");
+    write_name(&mut harness, &path);
+    press(&mut harness, "Save");
+    harness.step();
+    assert!(path.is_file() && !harness.state().is_unsaved(), "{:?}", harness.state().messages.last());
+    harness.state_mut().show_own("sleeve");
+    harness.state_mut().playing = false;
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
+    harness.step();
+    harness.step();
+    write_name(&mut harness, &path);
+    press(&mut harness, "Open");
+    harness.step();
+    assert_eq!(numbers(harness.state()), painted);
+    assert_eq!(harness.state().path.as_deref(), Some(path.as_path()));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Replaces what stands in the field of the window in which files are chosen.
+fn write_name(harness: &mut Harness<'static, Studio>, path: &Path) {
+    harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "File:").focus();
+    harness.step();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.step();
+    harness.event(egui::Event::Text(path.display().to_string()));
+    harness.step();
+}
+
+#[test]
+fn what_a_killed_program_left_is_recovered() {
+    let folder = folder("recover");
+    let mut harness = window(studio(false, Some(folder.clone())));
+    harness.state_mut().playing = false;
+    harness.state_mut().tab = Tab::Paint;
+    settle(&mut harness);
+    harness.state_mut().brush.radius_m = 0.4;
+    drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
+    let painted = numbers(harness.state());
+    // Twenty seconds of frames.
+    for _ in 0..1300 {
+        harness.step();
+    }
+    let own = folder.join(format!("autosave-{}.plisse.json", std::process::id()));
+    assert!(own.exists());
+    // As a process that is gone left it. 4194304 is above every process number of Linux.
+    std::fs::rename(&own, folder.join("autosave-4194304.plisse.json")).unwrap();
+    let mut next = window(studio(false, Some(folder.clone())));
+    next.step();
+    next.step();
+    says(&next, "ended before curtain was saved");
+    press(&mut next, "Recover");
+    next.step();
+    next.step();
+    assert_eq!(numbers(next.state()), painted);
+    assert!(next.state().is_unsaved());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn losing_the_gpu_leaves_a_picture_and_the_work() {
+    let mut harness = window(studio(true, None));
+    harness.state_mut().playing = false;
+    settle(&mut harness);
+    let device = harness.state().sheet.as_ref().unwrap().device.clone();
+    if device == plisse_studio::view::pencil::TWINS {
+        eprintln!("no GPU and no driver that stands in for one");
+        return;
+    }
+    let (with, before) = (harness.state().sheet.clone().unwrap(), numbers(harness.state()));
+    harness.state_mut().lose_device();
+    settle(&mut harness);
+    let sheet = harness.state().sheet.clone().unwrap();
+    assert_eq!(sheet.device, plisse_studio::view::pencil::TWINS);
+    let message = harness.state().messages.last().unwrap().text.clone();
+    assert!(message.contains("drawn by the processor from now on"), "{message}");
+    assert_eq!(numbers(harness.state()), before);
+    // The twin draws the same picture, but for rounding.
+    let off = with.image.pixels.iter().zip(&sheet.image.pixels).filter(|(a, b)| a.abs_diff(**b) > 12).count();
+    assert!(off * 50 < with.image.pixels.len(), "{off} of {}", with.image.pixels.len());
+}
+
+#[test]
+fn what_is_painted_grows() {
+    let folder = folder("grow");
+    let path = folder.join("sheet.toml");
+    let scene = SCENE.replace("edge_length_m = 0.02", "edge_length_m = 0.008").replace("move_m = [0.006, 0.0, 0.0]\n", "");
+    std::fs::write(&path, scene).unwrap();
+    let mut harness = window(studio(false, None));
+    harness.state_mut().open(&path);
+    settle(&mut harness);
+    harness.state_mut().tab = Tab::Paint;
+    harness.state_mut().choose_layer(Layer::Expansion);
+    harness.state_mut().brush.radius_m = 0.03;
+    harness.state_mut().brush.value = 0.2;
+    settle(&mut harness);
+    drag(&mut harness, &[pos2(600.0, 400.0), pos2(660.0, 400.0), pos2(740.0, 400.0), pos2(800.0, 400.0)]);
+    assert!(harness.state().document.layers.is_painted(Layer::Expansion), "{:?}", harness.state().messages.last());
+    harness.state_mut().document.settings.fold_spacing_m = 0.05;
+    press(&mut harness, "Grow");
+    harness.step();
+    press(&mut harness, "Grow the whole");
+    settle(&mut harness);
+    let grown = harness.state().growth.grown.clone().unwrap_or_else(|| panic!("{:?}", harness.state().messages.last()));
+    let raised = grown.pose.iter().map(|p| p.z.abs()).fold(0.0, f64::max);
+    assert!(raised > 5e-4, "{raised} m");
+    assert_eq!(harness.state().looking, Looking::Grown);
+    harness.state_mut().take(Kind::Surface, folder.join("grown.obj"));
+    settle(&mut harness);
+    assert!(folder.join("grown.obj").exists());
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn an_idle_frame_with_a_hundred_thousand_vertices_is_short() {
+    let (rows, strokes, device) = plisse_studio::measure::rows(false, &[View::Wrinkled], 1).unwrap();
+    for row in &rows {
+        eprintln!(
+            "{:<18} idle {:.2} ms, longest {:.1} ms, stages {:.1} ms, drawing {:.1} ms ({device})",
+            row.view.name(),
+            row.idle_ms,
+            row.longest_ms,
+            row.stages_ms,
+            row.render_ms
+        );
+    }
+    eprintln!("{strokes:?}");
+    // What is promised is 5 ms idle and 50 ms at most; machines that are busy with something else get more. Two strokes over most of the
+    // sheet with a wide brush, one of them mirrored, take longer than promised (docs/studio.md).
+    assert!(strokes.vertices > 5000 && strokes.longest_ms < 1000.0, "{strokes:?}");
+    assert!(rows.iter().all(|r| r.idle_ms < 15.0));
+}
