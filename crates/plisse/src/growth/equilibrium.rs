@@ -154,6 +154,12 @@ impl<'a> Growing<'a> {
     /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too large for its folds, or if all is frozen;
     /// [`Error::Mesh`] naming a vertex that starts in an obstacle, or two faces that cross.
     pub fn check(&self) -> Result<()> {
+        self.check_start()?;
+        self.check_painted()
+    }
+
+    /// Whether what is painted on the surface can be.
+    pub(super) fn check_painted(&self) -> Result<()> {
         self.check_maps()?;
         for (f, face) in self.topology.faces.iter().enumerate() {
             let side_m = self.side_across_folds_m(f);
@@ -169,7 +175,19 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// As [`Growing::check`], but faces may be of any size.
+    /// Whether the starting surface crosses itself where it must not.
+    pub(super) fn check_start(&self) -> Result<()> {
+        if !self.self_contact {
+            return Ok(());
+        }
+        if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first() {
+            let message = format!("faces {f} and {g} of the starting surface cross; part them, or set growth.self_contact = false");
+            return Err(Error::mesh("growth", message));
+        }
+        Ok(())
+    }
+
+    /// As [`Growing::check_painted`], but faces may be of any size.
     pub(super) fn check_maps(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
@@ -187,10 +205,6 @@ impl<'a> Growing<'a> {
         map("hold", &self.hold, |x| x.is_finite() && x >= 0.0, "give 0, 1 or another positive number")?;
         if self.frozen.iter().flatten().all(|&frozen| frozen) {
             return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
-        }
-        if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first().filter(|_| self.self_contact) {
-            let message = format!("faces {f} and {g} of the starting surface cross; part them, or set growth.self_contact = false");
-            return Err(Error::mesh("growth", message));
         }
         if let Some(v) = (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0)) {
             return Err(Error::mesh("growth", format!("vertex {v} of the starting surface is inside an obstacle; move it out")));
@@ -397,6 +411,16 @@ impl Effort {
     }
 }
 
+/// `[V]` starting area (m²) and `[V]` imperfections of size 1 (no unit) of a surface with the starting metric `surface`.
+pub(super) fn areas_and_imperfections(growing: &Growing<'_>, surface: &RestMetric, seed: u64) -> Result<(Vec<f64>, Vec<f64>)> {
+    let mut area_m2 = vec![0.0; growing.start.len()];
+    for (face, rest) in growing.topology.faces.iter().zip(&surface.faces) {
+        face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
+    }
+    let rough = band_limited(growing, surface, &area_m2, seed)?;
+    Ok((area_m2, rough))
+}
+
 /// A part of a larger surface, which is solved alone.
 pub(super) struct Within<'a> {
     /// `[V]` whether each vertex stays at its pose.
@@ -405,6 +429,10 @@ pub(super) struct Within<'a> {
     pub(super) pose: &'a [Vec3],
     /// `[V]` normals of the starting surface.
     pub(super) normals: &'a [Vec3],
+    /// `[V]` starting area (m²), also of faces that are not in the part.
+    pub(super) area_m2: &'a [f64],
+    /// `[V]` imperfections, of size 1 (no unit).
+    pub(super) rough: &'a [f64],
     /// Scale of the whole surface.
     pub(super) scale: Scale,
 }
@@ -473,11 +501,10 @@ impl<'a, 'b> Prepared<'a, 'b> {
             clamps.targets[v] = std::array::from_fn(|axis| (still || frozen[axis]).then_some(place[axis]));
         }
         let surface = RestMetric::from_shape("growth", start, &topology.faces)?;
-        let mut area_m2 = vec![0.0; start.len()];
-        for (face, rest) in topology.faces.iter().zip(&surface.faces) {
-            face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
-        }
-        let rough = band_limited(growing, &surface, &area_m2, options.seed)?;
+        let (area_m2, rough) = match within {
+            Some(within) => (within.area_m2.to_vec(), within.rough.to_vec()),
+            None => areas_and_imperfections(growing, &surface, options.seed)?,
+        };
         Ok(Self {
             growing,
             options,

@@ -314,7 +314,7 @@ impl<'a> Film<'a> {
         let coupled = |u: usize, v: usize| {
             let free = |v: usize| self.unknown[v].into_iter().filter(|&unknown| unknown != NONE);
             let found = |i: Option<usize>, j: Option<usize>| i.zip(j).is_none_or(|(i, j)| self.pattern.find(i, j).is_some());
-            found(free(u).next(), free(v).last()) && found(free(u).last(), free(v).next())
+            found(free(u).next(), free(v).next_back()) && found(free(u).next_back(), free(v).next())
         };
         let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| coupled(touch.vertices[k], touch.vertices[l])));
         let missing: Vec<usize> = (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();

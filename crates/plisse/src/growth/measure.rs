@@ -45,6 +45,8 @@ pub struct Relief {
     pub offset_m: Vec<f64>,
     /// Whether rows return to where they begin, one point after the last.
     pub around: bool,
+    /// Whether folds are what is steep, not what is high: for closed surfaces, which also shift and bend as a whole.
+    pub steep: bool,
 }
 
 impl Relief {
@@ -109,7 +111,7 @@ impl Relief {
         if grid.iter().any(|w| w.is_nan()) {
             return Err(Error::value("window", "it reaches beyond the surface; make it smaller"));
         }
-        Ok(Self { size, spacing_m, offset_m: grid, around })
+        Ok(Self { size, spacing_m, offset_m: grid, around, steep: false })
     }
 
     fn at(&self, i: usize, j: usize) -> f64 {
@@ -153,11 +155,10 @@ impl Relief {
         (waves, power)
     }
 
-    /// The folds along the growth, by the highest peak of the spectrum (around something, of that of the slopes); `None` where there is no relief.
+    /// The folds along the growth, by the highest peak of the spectrum (of that of the slopes, if what is steep counts); `None` where there is no relief.
     pub fn folds(&self) -> Option<Folds> {
         let (waves, mut power) = self.spectrum();
-        if self.around {
-            // What goes around may also shift and bend as a whole; folds are what is steep.
+        if self.steep {
             power.iter_mut().zip(&waves).for_each(|(power, wave)| *power *= wave * wave);
         }
         let peak = (0..power.len()).max_by(|&a, &b| power[a].total_cmp(&power[b]))?;
@@ -309,7 +310,13 @@ mod tests {
     fn relief(offset: impl Fn(f64, f64) -> f64) -> Relief {
         let size = [201, 101];
         let at = |k: usize| offset((k % size[0]) as f64 / 200.0, (k / size[0]) as f64 / 100.0);
-        Relief { size, spacing_m: [1.0 / 200.0, 1.0 / 100.0], offset_m: (0..size[0] * size[1]).map(at).collect(), around: false }
+        Relief {
+            size,
+            spacing_m: [1.0 / 200.0, 1.0 / 100.0],
+            offset_m: (0..size[0] * size[1]).map(at).collect(),
+            around: false,
+            steep: false,
+        }
     }
 
     #[test]

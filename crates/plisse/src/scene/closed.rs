@@ -2,6 +2,7 @@
 
 use super::build::BuiltPanel;
 use super::check::positive;
+use super::laid::Chart;
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
 use crate::mesh::closed::{Closed, sphere, torus};
 use crate::mesh::{Vec2, Vec3};
@@ -43,16 +44,11 @@ pub(super) fn cut(place: &str, table: &PanelTable) -> Result<Closed> {
 
 /// Puts the rest vertices (`[R]`, m) of closed panels where they lie; returns the panel coordinates (m) of all panels and those of the
 /// corners of each face, if there is a closed one.
-pub(super) fn shape(
-    scene: &Scene,
-    panels: &[BuiltPanel],
-    rest_positions: &mut [Vec3],
-    rest_faces: &[[usize; 3]],
-) -> Result<Option<(Vec<Vec2>, Vec<[usize; 3]>)>> {
+pub(super) fn shape(scene: &Scene, panels: &[BuiltPanel], rest_positions: &mut [Vec3], rest_faces: &[[usize; 3]]) -> Result<Option<Chart>> {
     if !scene.panel.iter().any(|panel| panel.shape.closed()) {
         return Ok(None);
     }
-    let (mut chart, mut faces): (Vec<Vec2>, Vec<[usize; 3]>) = (Vec::new(), Vec::new());
+    let (mut chart, mut faces): Chart = (Vec::new(), Vec::new());
     for (i, (panel, table)) in panels.iter().zip(&scene.panel).enumerate() {
         let first = chart.len();
         if table.shape.closed() {

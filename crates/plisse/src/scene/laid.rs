@@ -8,6 +8,9 @@ use crate::{Error, Result};
 /// A part whose volume is less than this, relative to the cube of its size, has no inside.
 const LEAST_VOLUME: f64 = 1e-9;
 
+/// Points of a plane, and those of each face's corners (`[F][3]`).
+pub(super) type Chart = (Vec<Vec2>, Vec<[usize; 3]>);
+
 /// A surface at its start. V vertices, F faces, R rest vertices.
 pub(super) struct Laid {
     /// Connectivity.
@@ -25,9 +28,9 @@ pub(super) struct Laid {
     /// `[panels]` the sides of each.
     pub(super) sides: Vec<Vec<Side>>,
     /// Panel coordinates (m) and those of each face's corners, where they are not those of the rest vertices: if some panel is closed.
-    pub(super) chart: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    pub(super) chart: Option<Chart>,
     /// Texture coordinates and those of each face's corners, if a file gave them or some panel is closed.
-    pub(super) texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    pub(super) texture: Option<Chart>,
     /// Names and values (`[V]`) of what a file says about each vertex.
     pub(super) attributes: Vec<(String, Vec<f64>)>,
     /// What readers of files passed over or mended.

@@ -76,6 +76,7 @@ impl AdaptOptions {
     /// [`Error::Value`] for options that are none, for folds too narrow for [`AdaptOptions::most_vertices`], for plasticity; else as
     /// [`Growing::check`], but faces may be of any size.
     pub fn check(&self, growing: &Growing<'_>, options: &GrowthOptions) -> Result<()> {
+        growing.check_start()?;
         growing.check_maps()?;
         let place = |name: &str| format!("growth.remesh.{name}");
         for (name, edges) in [("edges_per_wave", self.edges_per_wave), ("finish_edges_per_wave", self.finish_edges_per_wave)] {

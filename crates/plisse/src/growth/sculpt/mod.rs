@@ -18,7 +18,7 @@ pub use dab::{Dab, Paint, Spot};
 
 use std::time::Instant;
 
-use super::equilibrium::{Effort, Growing, GrowthOptions, Scale, StepReport, Within, settle_part};
+use super::equilibrium::{Effort, Growing, GrowthOptions, Scale, StepReport, Within, areas_and_imperfections, settle_part};
 use super::expansion::{Expansion, Growth, vertex_normals};
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
@@ -99,6 +99,10 @@ pub struct Sculpture {
     brush: SculptOptions,
     /// `[V]` normals of the starting surface.
     normals: Vec<Vec3>,
+    /// `[V]` its area (m²).
+    area_m2: Vec<f64>,
+    /// `[V]` imperfections of size 1 (no unit), drawn for the λ that it came with.
+    rough: Vec<f64>,
     /// `[V]` faces around each vertex.
     around: Vec<Vec<usize>>,
     scale: Scale,
@@ -124,6 +128,8 @@ impl Sculpture {
         if pose.len() != n {
             return Err(Error::mesh("sculpture", format!("the pose has {} vertices and the surface {n}; give the surface's", pose.len())));
         }
+        let surface = RestMetric::from_shape("sculpture", growing.start, &growing.topology.faces)?;
+        let (area_m2, rough) = areas_and_imperfections(growing, &surface, options.seed)?;
         let mut loads = growing.loads.clone();
         let mut forces = std::mem::take(&mut loads.forces_newton);
         forces.sort_by_key(|force| force.0);
@@ -138,6 +144,8 @@ impl Sculpture {
         Ok(Self {
             painted: (0..n).map(painted).collect(),
             normals: vertex_normals(growing.topology, growing.start)?,
+            area_m2,
+            rough,
             around: growing.topology.vertex_faces(),
             scale: Scale::of(growing),
             topology: growing.topology.clone(),
@@ -298,8 +306,15 @@ impl Sculpture {
         let mut pose = region.pose.clone();
         if active.iter().any(|&v| self.painted[v].frozen != [true; 3]) {
             let growing = region.growing(self);
-            growing.check()?;
-            let within = Within { still: &region.still, pose: &region.pose, normals: &region.normals, scale: self.scale };
+            growing.check_painted()?;
+            let within = Within {
+                still: &region.still,
+                pose: &region.pose,
+                normals: &region.normals,
+                area_m2: &region.of(&self.area_m2),
+                rough: &region.of(&self.rough),
+                scale: self.scale,
+            };
             let step = settle_part(&growing, 1.0, effort, &self.options, Some(&within), &mut pose, observer)?;
             if step.iterations == 0 {
                 // Unknowns are scaled; what did not move keeps its bits.

@@ -76,6 +76,11 @@ impl Region {
         })
     }
 
+    /// `[v]` what a list of the whole (`[V]`) has there.
+    pub(super) fn of(&self, list: &[f64]) -> Vec<f64> {
+        self.vertices.iter().map(|&v| list[v]).collect()
+    }
+
     /// What is to be solved there.
     pub(super) fn growing<'a>(&'a self, whole: &'a Sculpture) -> Growing<'a> {
         let painted = |n: usize| &whole.painted[self.vertices[n]];

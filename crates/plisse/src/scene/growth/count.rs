@@ -32,6 +32,8 @@ pub(super) struct Place {
     window: Window,
     /// Whether it goes around something.
     around: bool,
+    /// Whether the panel is closed.
+    closed: bool,
     /// Faces, their corners in the chart.
     faces: Vec<(usize, [Vec2; 3])>,
 }
@@ -39,7 +41,8 @@ pub(super) struct Place {
 impl Place {
     fn relief(&self, faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, points: usize) -> Result<Relief> {
         let size = [points, POINTS.1];
-        if self.around { Relief::around(faces, &self.window, size) } else { Relief::from_corners(faces, &self.window, size) }
+        let sampled = if self.around { Relief::around } else { Relief::from_corners };
+        Ok(Relief { steep: self.closed, ..sampled(faces, &self.window, size)? })
     }
 }
 
@@ -108,7 +111,7 @@ pub(super) fn places(counts: &[CountTable], extents: &[Extent], laid: &Laid) -> 
                         faces.push((f, corners(f).map(|p| chart(p) + by)));
                     }
                 }
-                Place { name: count.name.clone(), window, around, faces }
+                Place { name: count.name.clone(), window, around, closed: periods.is_some(), faces }
             }
             (_, _, Some(centre), Some(radius), Some(width)) => {
                 let round = TAU * radius;
@@ -122,7 +125,7 @@ pub(super) fn places(counts: &[CountTable], extents: &[Extent], laid: &Laid) -> 
                         faces.push((f, whole.map(|p| Vec2::new(p.x + turn * round, p.y))));
                     }
                 }
-                Place { name: count.name.clone(), window, around: true, faces }
+                Place { name: count.name.clone(), window, around: true, closed: false, faces }
             }
             _ => continue,
         };

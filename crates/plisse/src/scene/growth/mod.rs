@@ -14,12 +14,11 @@ pub use schema::Mode;
 
 use super::build::{Built, assemble, lay};
 use super::hold::{self, AXES, Grip};
-use super::laid::Laid;
+use super::laid::{Chart, Laid};
 use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
 use crate::growth::reference::ReferenceOptions;
 use crate::growth::{AdaptOptions, Expansion, Growing, GrowthOptions};
-use crate::mesh::Vec2;
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
@@ -61,7 +60,7 @@ pub struct BuiltGrowth {
     /// `[panels]` how far their coordinates run.
     extents: Vec<count::Extent>,
     /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
-    chart: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    chart: Option<Chart>,
     /// Where folds are counted.
     windows: Vec<count::Place>,
 }
