@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::field::curvature::vertex_normals;
-use plisse::growth::adapt::MeshStage;
+use plisse::growth::adapt::{AdaptReport, MeshStage};
 use plisse::growth::measure::offsets_m;
 use plisse::growth::reference::{LevelReport, grow_by_forces_each};
 use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
@@ -120,7 +120,11 @@ fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, e
         return Ok((None, Outcome { mode, pose, asked, steps, meshes, cancelled, tolerance, unit, residual_newton: None, seconds }));
     }
     let (on, pose, found, meshes) = match &grown.adapt {
-        Some(adapt) => follow(grown, adapt, parts, watched, each)?,
+        Some(adapt) => {
+            let (on, report) = follow(grown, adapt, parts, watched, each)?;
+            let growth = GrowthReport { asked: on.asked, ..report.growth };
+            (Some(on.grown), on.pose, growth, report.meshes)
+        }
         None => {
             let (pose, found) = grow_each(&growing, parts, growing.start, &grown.options, watched, &mut |_, pose| each(pose, faces))?;
             (None, pose, found, Vec::new())
@@ -150,18 +154,25 @@ fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, e
     Ok((on, outcome))
 }
 
-/// Grows on a mesh that follows the folds: the scene on it, the pose (`[V]`, m), how it grew, and the meshes.
+/// The scene on another mesh.
+struct Followed {
+    grown: BuiltGrowth,
+    pose: Vec<Vec3>,
+    asked: RestMetric,
+}
+
+/// Grows on a mesh that follows the folds.
 fn follow(
     grown: &BuiltGrowth,
     adapt: &AdaptOptions,
     parts: &[f64],
     watched: &Watched<'_>,
     each: Each<'_>,
-) -> Result<(Option<BuiltGrowth>, Vec<Vec3>, GrowthReport, Vec<MeshStage>)> {
+) -> Result<(Followed, AdaptReport)> {
     let mut each = |_: &StepReport, surface: &Surface<'_>| each(&surface.pose, &surface.topology.faces);
     let (surface, report) = grow_adapting(&grown.growing(), grown.chart(), parts, &grown.options, adapt, watched, &mut each)?;
-    let (on, pose, asked) = grown.on(surface)?;
-    Ok((Some(on), pose, GrowthReport { asked, ..report.growth }, report.meshes))
+    let (grown, pose, asked) = grown.on(surface)?;
+    Ok((Followed { grown, pose, asked }, report))
 }
 
 pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<Done> {

@@ -18,6 +18,9 @@ use crate::work::export::Kind;
 /// Frames that must go by with nothing on its way for the program to count as settled.
 const CALM: usize = 4;
 
+/// A screenshot that is awaited: where it goes, and where it comes in.
+type Shot = (PathBuf, Arc<Mutex<Option<Arc<ColorImage>>>>);
+
 /// A script on its way.
 pub struct Driver {
     steps: Vec<Step>,
@@ -27,7 +30,7 @@ pub struct Driver {
     calm: usize,
     /// The points of a stroke that are still to come.
     stroke: Vec<Vec2>,
-    shot: Option<(PathBuf, Arc<Mutex<Option<Arc<ColorImage>>>>)>,
+    shot: Option<Shot>,
 }
 
 impl Driver {

@@ -120,7 +120,7 @@ impl Guard {
             let name = Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into_owned());
             found.push((changed(&path).unwrap_or(SystemTime::UNIX_EPOCH), Left { path, name }));
         }
-        found.sort_by(|a, b| b.0.cmp(&a.0));
+        found.sort_by_key(|b| std::cmp::Reverse(b.0));
         found.into_iter().map(|f| f.1).collect()
     }
 }

@@ -32,7 +32,7 @@ impl Canvas<'_> {
         let (u, v) = (self.posed[b] - self.posed[a], self.posed[c] - self.posed[a]);
         let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
         let determinant = uu * vv - uv * uv;
-        if !(determinant > 0.0) {
+        if determinant.is_nan() || determinant <= 0.0 {
             return Vec3::zeros();
         }
         let (du, dv) = (direction.dot(&u), direction.dot(&v));
@@ -203,7 +203,7 @@ fn principal(m: &Matrix3<f32>, normal: &Vec3) -> Option<(f32, Vec3)> {
     let b = normal.cross(&t);
     let (tt, bb, tb) = (t.dot(&(m * t)), b.dot(&(m * b)), t.dot(&(m * b)));
     let (mean, half) = (0.5 * (tt + bb), 0.5 * (tt - bb));
-    if !(mean > 1e-20) {
+    if mean.is_nan() || mean <= 1e-20 {
         return None;
     }
     let (sin, cos) = (0.5 * tb.atan2(half)).sin_cos();

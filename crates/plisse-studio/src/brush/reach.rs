@@ -109,7 +109,7 @@ fn across(face: [u32; 3], x: &[Vec3], distance: &[f32], from: u32, to: u32) -> f
     }
     let side = at(third) - at(from);
     let length = side.norm();
-    if !(length > 0.0) {
+    if length.is_nan() || length <= 0.0 {
         return along;
     }
     // In the plane: `from` at the origin, `third` on the x axis, `to` above it, the source below.

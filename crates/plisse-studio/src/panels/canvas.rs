@@ -102,12 +102,11 @@ impl Studio {
         if self.trail.is_some() && response.drag_stopped() {
             self.end_stroke();
         }
-        if response.clicked() && can_paint && self.trail.is_none() {
-            if let Some(p) = response.interact_pointer_pos().filter(|p| self.hit(at(*p)).is_some()) {
-                self.playing = false;
-                self.stroke(at(p));
-                self.end_stroke();
-            }
+        let dabs = response.clicked() && can_paint && self.trail.is_none();
+        if let Some(p) = response.interact_pointer_pos().filter(|p| dabs && self.hit(at(*p)).is_some()) {
+            self.playing = false;
+            self.stroke(at(p));
+            self.end_stroke();
         }
         let pans = response.dragged_by(egui::PointerButton::Middle)
             || (modifiers.shift && (primary || response.dragged_by(egui::PointerButton::Secondary)));

@@ -81,7 +81,7 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
         if ended {
             break report;
         }
-        bout = 2 * bout;
+        bout *= 2;
     };
     reporter.stage("wrinkle field", Some(0.5));
     let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;

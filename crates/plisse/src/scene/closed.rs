@@ -4,8 +4,8 @@ use super::build::BuiltPanel;
 use super::check::positive;
 use super::laid::Chart;
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
+use crate::mesh::Vec3;
 use crate::mesh::closed::{Closed, sphere, torus};
-use crate::mesh::{Vec2, Vec3};
 use crate::{Error, Result};
 
 impl Shape {
