@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use super::equilibrium::Growing;
+use super::growing::Growing;
 use super::procedure::roughness;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;

@@ -20,8 +20,8 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use super::equilibrium::Growing;
 use super::expansion::vertex_normals;
+use super::growing::Growing;
 use super::procedure::roughness;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;

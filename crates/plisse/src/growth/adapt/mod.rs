@@ -10,8 +10,10 @@ pub use surface::Surface;
 
 use std::time::Instant;
 
-use super::equilibrium::{Effort, Growing, GrowthOptions, GrowthReport, StepReport, choosing_part, settle_part};
+use super::equilibrium::{GrowthOptions, GrowthReport, StepReport, choosing_part};
+use super::growing::Growing;
 use super::remesh::{Curving, RemeshOptions, RemeshReport};
+use super::settle::{Effort, settle_part};
 use crate::linalg::newton::Ending;
 use crate::mesh::Vec2;
 use crate::progress::Observer;

@@ -1,8 +1,8 @@
 //! A growing surface with everything it carries, from mesh to mesh.
 
 use crate::Result;
-use crate::growth::equilibrium::Growing;
 use crate::growth::expansion::{Expansion, Growth, vertex_normals};
+use crate::growth::growing::Growing;
 use crate::growth::remesh::{Curving, RemeshOptions, RemeshReport, Sheet, remesh};
 use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::{Topology, Vec2, Vec3};

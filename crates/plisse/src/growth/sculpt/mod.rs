@@ -18,8 +18,10 @@ pub use dab::{Dab, Paint, Spot};
 
 use std::time::Instant;
 
-use super::equilibrium::{Effort, Growing, GrowthOptions, Scale, StepReport, Within, areas_and_imperfections, settle_part};
+use super::equilibrium::{GrowthOptions, StepReport};
 use super::expansion::{Expansion, Growth, vertex_normals};
+use super::growing::Growing;
+use super::settle::{Effort, Scale, Within, areas_and_imperfections, settle_part};
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::progress::{Observer, Silent};

@@ -2,8 +2,8 @@
 
 use super::Sculpture;
 use crate::Result;
-use crate::growth::equilibrium::Growing;
 use crate::growth::expansion::Expansion;
+use crate::growth::growing::Growing;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
