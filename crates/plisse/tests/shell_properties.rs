@@ -237,9 +237,11 @@ fn a_strip_buckles_at_eulers_load() {
     };
     assert!(press(0.98 * critical, 1e-3).0 < 1e-5);
     for load in [1.02, 1.2, 2.0] {
-        let (flat, flat_joule) = press(load * critical, 0.0);
+        // From a flat start, where nothing pushes it out, it leaves the saddle by itself.
+        let (left, left_joule) = press(load * critical, 0.0);
         let (bulge, joule) = press(load * critical, 1e-3);
-        assert_eq!(flat, 0.0);
+        assert!((left / bulge - 1.0).abs() < 1e-3 && (left_joule / joule - 1.0).abs() < 1e-9, "{left} {bulge}, {left_joule} {joule}");
+        let flat_joule = 0.5 * material.young_pa * material.thickness_m * 0.1 * (load * critical).powi(2);
         assert!(joule < flat_joule, "{joule} J is not below {flat_joule} J");
         // The discrete strip is softer by (π/columns)²/12, 0.14 %.
         let wanted = 2.0 / PI * ((load - 1.0) * critical).sqrt();
