@@ -129,14 +129,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut iterations = 0;
     let ending = loop {
         if residual <= options.tolerance {
-            if !options.leave_saddles || saddles == MOST_SADDLES {
-                break Ending::Converged;
-            }
-            saddles += 1;
-            let Some(way) = downward(problem, &mut cholesky, &mut values, &diagonal, options.convexity, options.ridge) else {
-                break Ending::Converged;
-            };
-            if !step_down(problem, &x, energy, &way, &mut trial) {
+            if !leave(problem, &mut cholesky, &mut values, &diagonal, options, &mut saddles, &x, energy, &mut trial) {
                 break Ending::Converged;
             }
             std::mem::swap(&mut x, &mut trial);
@@ -221,8 +214,12 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         }
         iterations += 1;
         if !accepted {
-            // The problem remembers a trial point now; that is fine, because nothing follows.
-            break Ending::RoundOff;
+            // The problem remembers a trial point now.
+            problem.linearise(&x, &mut gradient);
+            if !leave(problem, &mut cholesky, &mut values, &diagonal, options, &mut saddles, &x, energy, &mut trial) {
+                break Ending::RoundOff;
+            }
+            settled = false;
         }
         std::mem::swap(&mut x, &mut trial);
         energy = problem.linearise(&x, &mut gradient);
@@ -237,6 +234,28 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         });
     };
     Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
+}
+
+/// If it is asked for and the Hessian where the problem was last linearised, at `x`, is not positive definite: `trial` lower down; tells
+/// whether there is one.
+#[allow(clippy::too_many_arguments)]
+fn leave(
+    problem: &mut dyn Problem,
+    cholesky: &mut Cholesky,
+    values: &mut [f64],
+    diagonal: &[usize],
+    options: &Options,
+    saddles: &mut usize,
+    x: &[f64],
+    energy: f64,
+    trial: &mut [f64],
+) -> bool {
+    if !options.leave_saddles || *saddles == MOST_SADDLES {
+        return false;
+    }
+    *saddles += 1;
+    let way = downward(problem, cholesky, values, diagonal, options.convexity, options.ridge);
+    way.is_some_and(|way| step_down(problem, x, energy, &way, trial))
 }
 
 /// Goes from the saddle `x` along `way` (either sign) as far as the energy falls well below `energy`; tells whether it does at all.
