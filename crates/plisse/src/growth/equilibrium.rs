@@ -123,7 +123,7 @@ pub struct GrowthReport {
 /// The folded surface (`[V]`, m).
 ///
 /// # Errors
-/// [`Error::Value`] or [`Error::Mesh`] if something asked for cannot be; [`Error::Numeric`] if a step has no finite energy.
+/// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be; [`crate::Error::Numeric`] if a step has no finite energy.
 pub fn grow(growing: &Growing<'_>, options: &GrowthOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, GrowthReport)> {
     grow_through(growing, &options.parts(growing.most_growth()), growing.start, options, observer)
 }

@@ -11,7 +11,7 @@
 //!   T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² + D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs
 //!   second derivatives, which on irregular triangles let a stiff direction leak into the soft one.
 //!
-//! - contact with itself, if it is asked for: [`SelfContact`].
+//! - contact with itself, if it is asked for: `growth::self_contact`.
 //!
 //! All but membrane, sticking and contact is quadratic in u: one constant matrix.
 
