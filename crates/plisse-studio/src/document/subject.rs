@@ -80,7 +80,7 @@ impl Subject {
     /// The start of the scene in `text`, which came from `path`.
     ///
     /// # Errors
-    /// As [`parse`] and [`build`].
+    /// As [`parse`] and [`build()`].
     pub fn scene(path: PathBuf, text: String) -> Result<Self> {
         let scene = parse(&path, &text)?;
         let built = ready(&scene)?;
@@ -105,7 +105,7 @@ impl Subject {
 /// `scene` ready for the solvers; one that only grows need not be held.
 ///
 /// # Errors
-/// As [`build`].
+/// As [`build()`].
 pub fn ready(scene: &Scene) -> Result<Built> {
     build(scene).or_else(|error| match &scene.growth {
         Some(_) => build_growth(scene).map(|grown| grown.built),
