@@ -1,11 +1,9 @@
 //! Files in: models (GLB, glTF, OBJ, PLY), scenes (TOML), and documents (`NAME.plisse.json`). What comes out is a whole
 //! document or one sentence; nothing half-read ever replaces what is open.
 
-pub mod ply;
-
 use std::path::{Path, PathBuf};
 
-use plisse::io::obj;
+use plisse::io::{obj, ply_mesh};
 use plisse::{Error, Result};
 use plisse_live::model::Model;
 use plisse_live::{Vec2, Vec3, gltf_in};
@@ -44,8 +42,8 @@ pub fn subject(path: &Path) -> Result<Subject> {
             Ok(subject)
         }
         "ply" => {
-            let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
-            Ok(Subject::new(source, ply::parse(&path.display().to_string(), &name(path), &bytes)?))
+            let read = ply_mesh::read(path)?;
+            Ok(Subject::new(source, from_ply(&name(path), &read)))
         }
         "toml" => Subject::scene(path.to_path_buf(), std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?),
         _ => {
@@ -79,6 +77,14 @@ fn from_obj(name: &str, read: &obj::Obj) -> Model {
         }));
     }
     Model::rigid(name, positions, uvs, faces)
+}
+
+/// The vertices of a PLY file as they are.
+fn from_ply(name: &str, read: &ply_mesh::PlyMesh) -> Model {
+    let positions = read.positions.iter().map(|p| p.map(|x| x as f32)).collect();
+    // PLY's v points up.
+    let uvs = read.texture.iter().flatten().map(|uv| Vec2::new(uv.x as f32, 1.0 - uv.y as f32)).collect();
+    Model::rigid(name, positions, uvs, read.faces.iter().map(|face| face.map(|v| v as u32)).collect())
 }
 
 /// The document saved in `path`, with its model from beside it.
