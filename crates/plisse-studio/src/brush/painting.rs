@@ -2,6 +2,7 @@
 //! keeps the largest weight any dab gave it, and the mean direction of all dabs, which has no sign.
 
 use nalgebra::{Matrix3, Rotation3};
+use plisse::mesh::reach::Reach;
 use plisse_live::Vec3;
 use plisse_live::unify::Unified;
 
@@ -65,6 +66,7 @@ pub struct Painting {
     dabs: Vec<(u32, [f32; 2])>,
     /// `[U]` place in `touches`, or none.
     slots: Vec<u32>,
+    reach: Reach,
     touches: Vec<(u32, Touch)>,
 }
 
@@ -73,7 +75,7 @@ const NONE: u32 = u32::MAX;
 impl Painting {
     /// A stroke with `brush` on a model of `count` unified vertices, before its first dab.
     pub fn new(brush: Brush, count: usize) -> Self {
-        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], touches: Vec::new() }
+        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], reach: Reach::new(count), touches: Vec::new() }
     }
 
     /// The brush.
@@ -121,7 +123,7 @@ impl Painting {
         let direction = if across { normal.cross(&unit) } else { unit };
         let layer = self.brush.layer;
         let values = layers.of(layer);
-        for (v, distance_m) in canvas.surface.reach(&unified.faces, canvas.posed, hit, self.brush.radius_m) {
+        for (v, distance_m) in canvas.surface.reach(&unified.faces, canvas.posed, hit, self.brush.radius_m, &mut self.reach) {
             let weight = self.brush.falloff.weight(distance_m / self.brush.radius_m);
             if weight <= 0.0 {
                 continue;

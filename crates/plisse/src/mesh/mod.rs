@@ -6,6 +6,7 @@ pub mod closed;
 pub mod crossing;
 pub mod grid;
 pub mod panel;
+pub mod reach;
 pub(crate) mod scatter;
 pub mod sew;
 pub mod subdivide;

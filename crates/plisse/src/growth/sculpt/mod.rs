@@ -10,7 +10,6 @@
 
 mod change;
 mod dab;
-mod reach;
 mod region;
 
 pub use change::Change;
@@ -22,13 +21,13 @@ use super::equilibrium::{GrowthOptions, StepReport};
 use super::expansion::{Expansion, Growth, vertex_normals};
 use super::growing::Growing;
 use super::settle::{Effort, Scale, Within, areas_and_imperfections, settle_part};
+use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::progress::{Observer, Silent};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
 use crate::{Error, Result};
-use reach::Reach;
 use region::Region;
 
 /// What is painted on one vertex.
@@ -231,7 +230,16 @@ impl Sculpture {
         if let Paint::Wavelength(to) = dab.paint {
             margin = margin.max(to).min(2.0 * margin);
         }
-        let near = self.reach.from(&self.topology.faces, &self.around, &self.start, &dab.spot, dab.radius_m + self.brush.margin * margin);
+        let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
+        let corners = faces[dab.spot.face];
+        let origin: Vec3 = (0..3).map(|k| start[corners[k]] * dab.spot.weights[k]).sum();
+        let near = self.reach.from(
+            corners,
+            &origin,
+            |v| around[v].iter().map(|&f| faces[f]),
+            |v| start[v],
+            dab.radius_m + self.brush.margin * margin,
+        );
         let found = begun.elapsed().as_secs_f64();
         let mut painted: Vec<(usize, Painted)> = Vec::new();
         for &(v, distance) in &near {

@@ -3,12 +3,11 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::Spot;
-use crate::mesh::{Vec2, Vec3};
+use super::{Vec2, Vec3};
 
-/// Distances (m) from a spot to the vertices around it. Only those that were reached are ever touched.
+/// Room to measure distances in. Only vertices that are reached are ever touched, so that a search costs what it finds.
 #[derive(Clone, Debug)]
-pub(super) struct Reach {
+pub struct Reach {
     /// `[V]` distance; infinite where nothing was reached.
     distance_m: Vec<f64>,
     /// `[V]` whether the distance is final.
@@ -22,7 +21,8 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub(super) fn new(vertex_count: usize) -> Self {
+    /// For meshes of `vertex_count` vertices.
+    pub fn new(vertex_count: usize) -> Self {
         Self {
             distance_m: vec![f64::INFINITY; vertex_count],
             settled: vec![false; vertex_count],
@@ -32,20 +32,19 @@ impl Reach {
         }
     }
 
-    /// Vertices up to `radius_m` from `spot`, nearest first, with their distances (m). Each face that a front crosses is laid flat onto the
-    /// one before, so distances are exact on flat surfaces as far as faces see the spot straight, and a little long elsewhere.
-    pub(super) fn from(
+    /// Vertices up to `radius_m` from the point `origin` (m) of a face with these `corners`, nearest first, with their distances (m). Each face
+    /// that a front crosses is laid flat onto the one before, so distances are exact on flat surfaces as far as faces see the point straight, and a
+    /// little long elsewhere. `around` gives the corners of the faces around a vertex, `place` its position (m).
+    pub fn from<I: Iterator<Item = [usize; 3]>>(
         &mut self,
-        faces: &[[usize; 3]],
-        around: &[Vec<usize>],
-        places: &[Vec3],
-        spot: &Spot,
+        corners: [usize; 3],
+        origin: &Vec3,
+        around: impl Fn(usize) -> I,
+        place: impl Fn(usize) -> Vec3,
         radius_m: f64,
     ) -> Vec<(usize, f64)> {
-        let corners = faces[spot.face];
-        let origin: Vec3 = (0..3).map(|k| places[corners[k]] * spot.weights[k]).sum();
         for v in corners {
-            self.offer(v, (places[v] - origin).norm());
+            self.offer(v, (place(v) - origin).norm());
         }
         while let Some(Reverse((bits, v))) = self.waiting.pop() {
             let distance = f64::from_bits(bits);
@@ -54,13 +53,12 @@ impl Reach {
             }
             self.settled[v] = true;
             self.reached.push(v);
-            for &f in &around[v] {
-                let face = faces[f];
+            for face in around(v) {
                 let k = usize::from(face[1] == v) + 2 * usize::from(face[2] == v);
                 for (a, b) in [(face[(k + 1) % 3], face[(k + 2) % 3]), (face[(k + 2) % 3], face[(k + 1) % 3])] {
-                    self.offer(a, distance + (places[a] - places[v]).norm());
+                    self.offer(a, distance + (place(a) - place(v)).norm());
                     if self.settled[b]
-                        && let Some(through) = across(places[v], places[b], places[a], distance, self.distance_m[b])
+                        && let Some(through) = across(place(v), place(b), place(a), distance, self.distance_m[b])
                     {
                         self.offer(a, through);
                     }
@@ -114,18 +112,19 @@ mod tests {
         let panel = Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3).unwrap();
         let places: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("sheet", places.len(), panel.faces).unwrap();
-        let around = topology.vertex_faces();
+        let (faces, around) = (&topology.faces, topology.vertex_faces());
         let mut reach = Reach::new(places.len());
-        let spot = Spot { face: 31, weights: [0.2, 0.5, 0.3] };
-        let origin: Vec3 = (0..3).map(|k| places[topology.faces[31][k]] * spot.weights[k]).sum();
-        let found = reach.from(&topology.faces, &around, &places, &spot, 0.3);
+        let corners = faces[31];
+        let origin: Vec3 = places[corners[0]] * 0.2 + places[corners[1]] * 0.5 + places[corners[2]] * 0.3;
+        let mut search = || reach.from(corners, &origin, |v| around[v].iter().map(|&f| faces[f]), |v| places[v], 0.3);
+        let found = search();
         for &(v, distance) in &found {
             let straight = (places[v] - origin).norm();
             assert!(distance >= straight - 1e-12 && distance < 1.05 * straight + 1e-12, "{v}: {distance} {straight}");
         }
         let within = places.iter().filter(|p| (*p - origin).norm() <= 0.3 / 1.05).count();
         assert!(found.len() >= within && found.windows(2).all(|pair| pair[0].1 <= pair[1].1));
+        assert_eq!(search(), found);
         assert!(reach.distance_m.iter().all(|d| d.is_infinite()) && !reach.settled.contains(&true));
-        assert_eq!(reach.from(&topology.faces, &around, &places, &spot, 0.3), found);
     }
 }
