@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use plisse::growth::equilibrium::grow_each;
-use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport};
+use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Observer;
 use plisse::rest::RestMetric;
-use plisse::scene::build_growth;
+use plisse::scene::growth::Mode;
+use plisse::scene::{BuiltGrowth, build_growth};
 use plisse::strain::strain;
 use plisse::{Error, Result};
 use plisse_live::Vec3 as Seen;
@@ -24,18 +24,45 @@ const FROZEN: f32 = 0.5;
 
 /// A surface made ready to grow; places are as in scenes, z up.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub enum Plan {
+    /// By what its scene says.
+    Scene(Box<BuiltGrowth>),
+    /// By what is painted.
+    Painted(Box<Painted>),
+}
+
+/// What is painted, as growth takes it.
+#[derive(Clone, Debug)]
+pub struct Painted {
     topology: Topology,
     rest: RestMetric,
     start: Vec<Vec3>,
     expansion: Expansion,
     wavelength_m: Vec<f64>,
     coherence_m: Vec<f64>,
-    bias: Vec<f64>,
-    stickiness: Vec<f64>,
     frozen: Vec<[bool; 3]>,
     options: GrowthOptions,
-    scene: Option<Box<plisse::scene::BuiltGrowth>>,
+}
+
+impl Plan {
+    fn growing(&self) -> Growing<'_> {
+        match self {
+            Self::Scene(built) => built.growing(),
+            Self::Painted(sheet) => Growing {
+                wavelength_m: sheet.wavelength_m.clone(),
+                coherence_m: sheet.coherence_m.clone(),
+                frozen: sheet.frozen.clone(),
+                ..Growing::new(&sheet.topology, &sheet.rest, &sheet.start, sheet.expansion.clone(), 1.0, 0.0)
+            },
+        }
+    }
+
+    fn options(&self) -> &GrowthOptions {
+        match self {
+            Self::Scene(built) => &built.options,
+            Self::Painted(sheet) => &sheet.options,
+        }
+    }
 }
 
 /// A surface that has grown.
@@ -67,19 +94,11 @@ pub fn plan(document: &Document) -> Result<Plan> {
     let painted = document.layers.is_painted(Layer::Expansion);
     if let (Some(scene), false) = (&subject.scene, painted) {
         let built = build_growth(&scene.scene)?;
-        return Ok(Plan {
-            topology: built.built.topology.clone(),
-            rest: built.built.rest.clone(),
-            start: built.built.start.clone(),
-            expansion: built.expansion.clone(),
-            wavelength_m: built.wavelength_m.clone(),
-            coherence_m: built.coherence_m.clone(),
-            bias: built.bias.clone(),
-            stickiness: built.stickiness.clone(),
-            frozen: built.frozen.clone(),
-            options: built.options.clone(),
-            scene: Some(Box::new(built)),
-        });
+        if built.mode == Mode::Reference {
+            let message = "the window folds by energy only; remove growth.mode, or run plisse grow on the scene";
+            return Err(Error::value("growth.mode", message));
+        }
+        return Ok(Plan::Scene(Box::new(built)));
     }
     if !painted {
         return Err(Error::value("grow", "nothing says what shall grow; paint Expansion first"));
@@ -109,61 +128,61 @@ pub fn plan(document: &Document) -> Result<Plan> {
     let coherence = |x: &[f32; 4]| if x[0] > 0.0 { f64::from(x[0]) } else { settings.coherence_m };
     let frozen = layer(Layer::Freeze).iter().zip(held).map(|(x, held)| [x[0] >= FROZEN || held; 3]).collect();
     let (young_pa, poisson) = subject.scene.as_ref().map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
-    let count = start.len();
-    Ok(Plan {
+    Ok(Plan::Painted(Box::new(Painted {
         expansion,
         wavelength_m: shares.map(|s| s * settings.fold_spacing_m).collect(),
         coherence_m: layer(Layer::Coherence).iter().map(coherence).collect(),
-        bias: vec![0.0; count],
-        stickiness: vec![0.0; count],
         frozen,
         options: GrowthOptions { young_pa, poisson, ..GrowthOptions::default() },
-        scene: None,
         topology,
         rest,
         start,
-    })
+    })))
 }
 
-/// Grows it.
+/// Grows it; on a mesh that follows the folds, if its scene says so.
 ///
 /// # Errors
-/// As [`grow_each`].
+/// As [`grow_each`] and [`grow_adapting`].
 pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
-    let growing = match &plan.scene {
-        Some(built) => built.growing(),
-        None => Growing {
-            places: plan.start.clone(),
-            wavelength_m: plan.wavelength_m.clone(),
-            coherence_m: plan.coherence_m.clone(),
-            bias: plan.bias.clone(),
-            stickiness: plan.stickiness.clone(),
-            frozen: plan.frozen.clone(),
-            ..Growing::new(&plan.topology, &plan.rest, &plan.start, plan.expansion.clone(), 1.0, 0.0)
-        },
+    let growing = plan.growing();
+    let (parts, adapt) = match plan {
+        Plan::Scene(built) => (built.parts(None), built.adapt.as_ref()),
+        Plan::Painted(sheet) => (sheet.options.parts(growing.most_growth()), None),
     };
-    let parts = plan.scene.as_ref().map_or_else(|| plan.options.parts(growing.most_growth()), |built| built.parts(None));
     reporter.stage("growth", Some(0.0));
     let mut done = 0;
-    let mut each = |step: &plisse::growth::StepReport, pose: &[Vec3]| {
+    let mut show = |step: &StepReport, topology: &Topology, rest: &RestMetric, pose: &[Vec3]| {
         done += 1;
-        reporter.stage(&format!("growth, {:.0} % of it", 100.0 * step.part), Some(done as f32 / parts.len().max(1) as f32));
-        reporter.part(Part::Step(Arc::new(look(plan, &plan.rest, pose))));
+        let share = (done as f32 / parts.len().max(1) as f32).min(1.0);
+        reporter.stage(&format!("growth, {:.0} % of it", 100.0 * step.part), Some(share));
+        reporter.part(Part::Step(Arc::new(look(topology, rest, pose))));
         Ok(())
     };
-    let (pose, report) = grow_each(&growing, &parts, &plan.start, &plan.options, reporter as &dyn Observer, &mut each)?;
-    let solid = look(plan, &report.asked, &pose);
-    let grown = Grown { topology: plan.topology.clone(), pose, report: Arc::new(report) };
+    let (topology, pose, report) = match (plan, adapt) {
+        (Plan::Scene(built), Some(adapt)) => {
+            let mut each = |step: &StepReport, on: &Surface<'_>| show(step, &on.topology, &on.rest, &on.pose);
+            let (surface, report) = grow_adapting(&growing, built.chart(), &parts, &built.options, adapt, reporter, &mut each)?;
+            (surface.topology, surface.pose, report.growth)
+        }
+        _ => {
+            let mut each = |step: &StepReport, pose: &[Vec3]| show(step, growing.topology, growing.rest, pose);
+            let (pose, report) = grow_each(&growing, &parts, growing.start, plan.options(), reporter as &dyn Observer, &mut each)?;
+            (growing.topology.clone(), pose, report)
+        }
+    };
+    let solid = look(&topology, &report.asked, &pose);
+    let grown = Grown { topology, pose, report: Arc::new(report) };
     Ok(Part::Whole(Arc::new(solid), Arc::new(grown)))
 }
 
 /// What is seen of a pose; `asked` is the metric that strain is against.
-fn look(plan: &Plan, asked: &RestMetric, pose: &[Vec3]) -> Solid {
-    let posed = seen(pose, &plan.topology);
+fn look(topology: &Topology, asked: &RestMetric, pose: &[Vec3]) -> Solid {
+    let posed = seen(pose, topology);
     let count = pose.len();
     let waves = Waves { amplitude_m: vec![0.0; count], wave: vec![Seen::zeros(); count], phase: vec![0.0; count] };
     let length = |e: f64| ((1.0 + e).max(0.0).sqrt() - 1.0) as f32;
     let ordered = |[a, b]: [f32; 2]| [a.min(b), a.max(b)];
-    let strain = strain(&plan.topology, asked, pose).iter().map(|s| ordered(s.principal.map(length))).collect();
-    Solid { strain, ..solid(&plan.topology, posed, &waves) }
+    let strain = strain(topology, asked, pose).iter().map(|s| ordered(s.principal.map(length))).collect();
+    Solid { strain, ..solid(topology, posed, &waves) }
 }
