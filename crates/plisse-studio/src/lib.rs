@@ -15,6 +15,7 @@ pub mod messages;
 pub mod open;
 pub mod panels;
 pub mod script;
+mod strokes;
 pub mod studio;
 pub mod view;
 pub mod work;

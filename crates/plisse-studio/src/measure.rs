@@ -110,9 +110,10 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
             studio.stroke(plisse_live::Vec2::new(0.3 + 0.04 * k as f32, 0.4 + 0.01 * k as f32));
             stroke_ms = stroke_ms.max(begun.elapsed().as_secs_f32() * 1e3 + frame(&mut studio));
         }
-        let begun = Instant::now();
-        studio.end_stroke();
-        stroke_ms = stroke_ms.max(begun.elapsed().as_secs_f32() * 1e3);
+        studio.release_stroke();
+        while studio.trail.is_some() {
+            stroke_ms = stroke_ms.max(frame(&mut studio));
+        }
     }
     let painted = studio.document.history.done().iter().map(|c| c.vertices.len()).sum();
     let stroke = Strokes { longest_ms: stroke_ms, vertices: painted };

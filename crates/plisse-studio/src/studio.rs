@@ -9,7 +9,7 @@ use plisse_live::Vec3;
 use plisse_live::live::LiveOptions;
 use plisse_live::texture::Texture;
 
-use crate::brush::{Canvas, Surface, Trail};
+use crate::brush::{Surface, Trail};
 use crate::commands::Command;
 use crate::document::{Action, Brush, Document, Layer, Settings, Subject};
 use crate::guard::{Guard, Left};
@@ -23,7 +23,7 @@ use crate::view::easel::texture_of;
 use crate::view::{Easel, Order, Sheet, Shown, Turntable, View};
 
 /// Pictures after a change until the phases have settled, and steps of the stages in each.
-const SETTLE: usize = 5;
+pub(crate) const SETTLE: usize = 5;
 const SETTLE_STEPS: usize = 8;
 /// A picture that took longer (ms) is drawn at half the size while things move.
 const SLOW_MS: f32 = 45.0;
@@ -110,6 +110,8 @@ pub struct Studio {
     pub brush: Brush,
     /// The stroke on its way.
     pub trail: Option<Trail>,
+    /// Whether the pointer has let go of it: it ends once it is painted.
+    pub(crate) released: bool,
     /// Whether the clip plays.
     pub playing: bool,
     pub(crate) cached: Cached,
@@ -155,7 +157,8 @@ pub enum Question {
 /// What is made of the document and only made anew when it changes.
 pub(crate) struct Cached {
     key: Option<(u64, u64, Settings)>,
-    dabs: u64,
+    /// Counts what strokes on their way have painted.
+    pub(crate) dabs: u64,
     options: Arc<LiveOptions>,
     layer_key: Option<(u64, u64, View)>,
     layer: Arc<Vec<[f32; 4]>>,
@@ -188,6 +191,7 @@ impl Studio {
             tab: Tab::Live,
             brush: Brush::new(0.1),
             trail: None,
+            released: false,
             playing: true,
             cached: Cached {
                 key: None,
@@ -244,7 +248,8 @@ impl Studio {
         if matches!(self.view, View::Painted(_) | View::Expansion) {
             self.view = View::Wrinkled;
         }
-        (self.trail, self.looking, self.playing) = (None, Looking::Live, !subject.model.clips.is_empty());
+        (self.trail, self.released) = (None, false);
+        (self.looking, self.playing) = (Looking::Live, !subject.model.clips.is_empty());
         self.tab = if subject.scene.is_some() && self.tab == Tab::Live { Tab::Physics } else { self.tab };
         self.document = document;
         self.cached.key = None;
@@ -352,56 +357,13 @@ impl Studio {
         }
     }
 
-    /// Where unified vertices are seen; the rest pose before the first picture.
-    pub fn posed(&self) -> Arc<plisse_live::skin::Skinned> {
-        match &self.sheet {
-            Some(sheet) => Arc::clone(&sheet.posed),
-            None => {
-                let v = &self.document.subject.unified.vertices;
-                Arc::new(plisse_live::skin::Skinned { positions: v.positions.clone(), normals: v.normals.clone() })
-            }
-        }
-    }
-
-    /// Begins (`None`), goes on with, or ends a stroke; `pointer` is a share of the picture.
-    pub fn stroke(&mut self, pointer: plisse_live::Vec2) {
-        let Some(camera) = self.sheet.as_ref().map(|s| s.camera) else { return };
-        let (subject, surface, posed) = (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
-        if posed.positions.len() != subject.unified.count() {
-            return;
-        }
-        let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
-        match &mut self.trail {
-            Some(trail) => {
-                trail.go(&canvas, &mut self.document.layers, &camera, pointer);
-                self.cached.dabs += 1;
-            }
-            None => self.trail = Some(Trail::begin(self.brush.clone(), &canvas, &camera, pointer)),
-        }
-        self.settle = SETTLE;
-    }
-
-    /// Ends the stroke on its way, if there is one.
-    pub fn end_stroke(&mut self) {
-        let Some(trail) = self.trail.take() else { return };
-        let Some(camera) = self.sheet.as_ref().map(|s| s.camera) else { return };
-        let (subject, surface, posed) = (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
-        let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
-        let change = trail.end(&canvas, &mut self.document.layers, &camera);
-        if change.vertices.is_empty() {
-            self.messages.note("the stroke met no vertex; make the brush larger");
-        }
-        self.document.push(change);
-        self.cached.dabs += 1;
-        self.settle = SETTLE;
-    }
-
     /// Everything that goes on by itself: time, pictures, jobs, files.
     pub fn advance(&mut self, ctx: &egui::Context, now_s: f64) {
         let passed = self.last_s.map_or(0.0, |last| (now_s - last).clamp(0.0, 0.2));
         self.last_s = Some(now_s);
         self.take_sheet(ctx);
         self.take_jobs();
+        self.paint();
         if self.playing && self.looking == Looking::Live {
             self.play(passed as f32);
         }
@@ -412,7 +374,7 @@ impl Studio {
             self.messages.problem(format!("the autosave failed: {error}"));
         }
         self.order();
-        if self.playing || self.settle > 0 {
+        if self.playing || self.settle > 0 || self.trail.is_some() {
             ctx.request_repaint_after(std::time::Duration::from_millis(8));
         } else {
             // To look after files now and then.
@@ -536,7 +498,12 @@ impl Studio {
 
     /// Whether nothing is on its way: no picture, no job.
     pub fn is_idle(&self) -> bool {
-        !self.easel.is_busy() && self.settle == 0 && !self.physics.is_busy() && !self.growth.is_busy() && !self.taking.is_busy()
+        !self.easel.is_busy()
+            && self.trail.is_none()
+            && self.settle == 0
+            && !self.physics.is_busy()
+            && !self.growth.is_busy()
+            && !self.taking.is_busy()
     }
 
     /// Ends the program cleanly.

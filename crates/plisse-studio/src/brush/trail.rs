@@ -1,4 +1,7 @@
-//! From pointer positions to dabs: points are filled in between, so that a quick stroke is as whole as a slow one.
+//! From pointer positions to dabs: points are filled in between, so that a quick stroke is as whole as a slow one. Dabs wait to be painted
+//! until there is time for them, so that wide brushes on large meshes do not hold up the window.
+
+use std::collections::VecDeque;
 
 use plisse_live::camera::Camera;
 use plisse_live::{Vec2, Vec3};
@@ -23,6 +26,8 @@ pub struct Trail {
     course: Option<Vec3>,
     /// Way since the last dab (m).
     since_m: f32,
+    /// Dabs that are not painted yet, and the way the stroke went there.
+    waiting: VecDeque<(Hit, Vec3)>,
 }
 
 impl Trail {
@@ -30,11 +35,11 @@ impl Trail {
     pub fn begin(brush: Brush, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Self {
         let painting = Painting::new(brush, canvas.unified.count());
         let hit = meet(canvas, camera, pointer);
-        Self { painting, pointer, last: hit.map(|h| (h, true)), course: None, since_m: 0.0 }
+        Self { painting, pointer, last: hit.map(|h| (h, true)), course: None, since_m: 0.0, waiting: VecDeque::new() }
     }
 
-    /// Goes on to `pointer`.
-    pub fn go(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera, pointer: Vec2) {
+    /// Goes on to `pointer`; [`Trail::paint`] paints what is on the way.
+    pub fn go(&mut self, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) {
         let from = self.pointer;
         self.pointer = pointer;
         let target = meet(canvas, camera, pointer);
@@ -58,15 +63,30 @@ impl Trail {
             } else {
                 Ray::through(camera, at).and_then(|ray| pick_among(canvas.posed, &canvas.unified.faces, some.iter().copied(), &ray))
             };
-            self.reach(canvas, layers, camera, hit, spacing_m);
+            self.reach(camera, hit, spacing_m);
+        }
+    }
+
+    /// Whether dabs wait to be painted.
+    pub fn is_behind(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// Paints dabs that wait, the first of them and then as long as there is `more` time.
+    pub fn paint(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, more: &mut dyn FnMut() -> bool) {
+        while let Some((hit, course)) = self.waiting.pop_front() {
+            self.painting.dab(canvas, layers, &hit, &course);
+            if !more() {
+                break;
+            }
         }
         self.painting.write(canvas, layers);
     }
 
-    fn reach(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera, hit: Option<Hit>, spacing_m: f32) {
+    fn reach(&mut self, camera: &Camera, hit: Option<Hit>, spacing_m: f32) {
         let Some(hit) = hit else {
             // The stroke left the surface; where it comes back, it begins anew.
-            self.flush(canvas, layers, camera);
+            self.flush(camera);
             self.last = None;
             return;
         };
@@ -80,26 +100,26 @@ impl Trail {
         }
         self.course = Some(way);
         if waits {
-            self.dab(canvas, layers, camera, &before);
+            self.dab(camera, &before);
             self.since_m = 0.0;
         }
         self.since_m += way.norm();
         if self.since_m >= 0.999 * spacing_m {
-            self.dab(canvas, layers, camera, &hit);
+            self.dab(camera, &hit);
             self.since_m = 0.0;
         }
         self.last = Some((hit, false));
     }
 
     /// A point that still waits for a direction is painted with the last one, or the screen's right.
-    fn flush(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera) {
+    fn flush(&mut self, camera: &Camera) {
         if let Some((hit, true)) = self.last {
-            self.dab(canvas, layers, camera, &hit);
+            self.dab(camera, &hit);
             self.last = Some((hit, false));
         }
     }
 
-    fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, camera: &Camera, hit: &Hit) {
+    fn dab(&mut self, camera: &Camera, hit: &Hit) {
         let (right, up) = screen_axes(camera);
         let angle = self.painting.brush().screen_angle_rad;
         let course = match (self.painting.brush().heading, self.course) {
@@ -107,13 +127,13 @@ impl Trail {
             (_, Some(course)) => course,
             (_, None) => right,
         };
-        self.painting.dab(canvas, layers, hit, &course);
+        self.waiting.push_back((*hit, course));
     }
 
-    /// Ends the stroke.
+    /// Ends the stroke, with all dabs that wait.
     pub fn end(mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera) -> Change {
-        self.flush(canvas, layers, camera);
-        self.painting.write(canvas, layers);
+        self.flush(camera);
+        self.paint(canvas, layers, &mut || true);
         self.painting.end(layers)
     }
 }

@@ -96,11 +96,11 @@ impl Studio {
                 self.stroke(at(press));
             }
         }
-        if let (Some(_), true, Some(p)) = (&self.trail, primary, response.interact_pointer_pos()) {
+        if let (Some(_), false, true, Some(p)) = (&self.trail, self.released, primary, response.interact_pointer_pos()) {
             self.stroke(at(p));
         }
         if self.trail.is_some() && response.drag_stopped() {
-            self.end_stroke();
+            self.release_stroke();
         }
         let dabs = response.clicked() && can_paint && self.trail.is_none();
         if let Some(p) = response.interact_pointer_pos().filter(|p| dabs && self.hit(at(*p)).is_some()) {
