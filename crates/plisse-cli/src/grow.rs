@@ -14,18 +14,19 @@ use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapt
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::newton::Ending;
-use plisse::mesh::{Vec2, Vec3};
+use plisse::mesh::Vec3;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::rest::RestMetric;
 use plisse::scene::growth::Mode;
 use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
+use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result};
 
 use crate::Done;
 use crate::arguments::{GrowArguments, GrowthMode};
-use crate::outputs::{self, CLOTH, CLOTH_SRGB, Frame, draw_frames, draw_panels_by, panel_texture};
+use crate::outputs::{self, CLOTH_SRGB, Frame, draw_frames, draw_panels_by};
 use crate::progress::Bars;
 use crate::report::ending_name;
 use crate::road::{open_output_at, with_threads};
@@ -192,7 +193,7 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
     with_threads(arguments.threads, || {
         let setup_seconds = begun.elapsed().as_secs_f64();
         let watched = Watched { bar: bars.counter("grow", count), interrupted };
-        let texture = texture_of(&grown);
+        let texture = grown.built.texture();
         let mut frames: Vec<Frame> = Vec::new();
         let mut frame = |pose: &[Vec3], faces: &[[usize; 3]]| {
             if arguments.frames {
@@ -246,11 +247,6 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
     })
 }
 
-/// Texture coordinates and those of each face's corners: the scene's, or its panels side by side.
-fn texture_of(grown: &BuiltGrowth) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
-    grown.built.texture.clone().or_else(|| panel_texture(&grown.built.rest_positions, &grown.built.rest_faces))
-}
-
 /// What the user should know about what has grown.
 fn notes(grown: &BuiltGrowth, report: &Report, found: &Outcome, steps: usize, interrupted: &AtomicBool) -> Vec<String> {
     let mut notes = grown.built.notes.clone();
@@ -293,7 +289,7 @@ fn folder_path(arguments: &GrowArguments) -> std::path::PathBuf {
 }
 
 fn write_meshes(folder: &mut OutputFolder, grown: &BuiltGrowth, pose: &[Vec3]) -> Result<()> {
-    let (texture, faces) = (texture_of(grown), &grown.built.topology.faces);
+    let (texture, faces) = (grown.built.texture(), &grown.built.topology.faces);
     let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
     folder.write("folded.obj", |out| obj::write(out, pose, faces, texture))?;
     let normals = vertex_normals(&grown.built.topology, pose);

@@ -3,21 +3,16 @@
 use std::io::Write as _;
 
 use plisse::Result;
-use plisse::bake::islands::side_by_side;
-use plisse::field::curvature::vertex_normals;
 use plisse::io::aside::OutputFolder;
-use plisse::io::{glb, obj};
-use plisse::mesh::subdivide::refine_rest;
-use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::mesh::{Topology, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw_among};
-use plisse::surface::Upsampled;
+use plisse::wrinkled::Wrinkled;
 use serde::Serialize;
 
 use crate::arguments::Up;
 
-/// Colour of the wrinkled surface in files (linear RGBA) and in pictures (sRGB).
-pub(crate) const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
+/// Colours of the wrinkled surface and of what lies under it in pictures (sRGB).
 pub(crate) const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
 pub(crate) const BASE_SRGB: [u8; 3] = [206, 212, 220];
 
@@ -48,57 +43,6 @@ pub(crate) fn leave(mut folder: OutputFolder, report: &impl Serialize, mut table
     }
     say(&table);
     Ok(())
-}
-
-/// Texture coordinates of a mesh.
-pub(crate) struct Texture {
-    pub(crate) coarse: (Vec<Vec2>, Vec<[usize; 3]>),
-    pub(crate) fine: (Vec<Vec2>, Vec<[usize; 3]>),
-}
-
-impl Texture {
-    /// Subdivided with the surface, linearly.
-    pub(crate) fn refined(coarse: (Vec<Vec2>, Vec<[usize; 3]>), levels: usize) -> Self {
-        let mut fine = coarse.clone();
-        for _ in 0..levels {
-            fine = refine_rest(&fine.0, &fine.1);
-        }
-        Self { coarse, fine }
-    }
-}
-
-/// Texture coordinates from flat rest panels: their rest positions, side by side in the unit square.
-pub(crate) fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
-    let first = *rest_positions.first()?;
-    let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let size = (high - low).x.max((high - low).y);
-    if (high - low).z > 1e-9 * size {
-        return None;
-    }
-    let flat: Vec<Vec2> = rest_positions.iter().map(|p| p.xy()).collect();
-    Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
-}
-
-/// Writes base.obj, wrinkled.obj and wrinkled.glb.
-pub(crate) fn write_meshes(
-    folder: &mut OutputFolder,
-    topology: &Topology,
-    pose: &[Vec3],
-    fine: &Upsampled,
-    wrinkled: &[Vec3],
-    texture: Option<&Texture>,
-    up: Up,
-) -> Result<()> {
-    folder.write("base.obj", |out| obj::write(out, pose, &topology.faces, texture.map(|t| (&t.coarse.0[..], &t.coarse.1[..]))))?;
-    let fine_texture = texture.map(|t| (&t.fine.0[..], &t.fine.1[..]));
-    folder.write("wrinkled.obj", |out| obj::write(out, wrinkled, &fine.topology.faces, fine_texture))?;
-    let normals = vertex_normals(&fine.topology, wrinkled);
-    let axis = match up {
-        Up::Y => glb::UpAxis::Y,
-        Up::Z => glb::UpAxis::Z,
-    };
-    let mesh = glb::Mesh { positions: wrinkled, normals: &normals, faces: &fine.topology.faces, texture: fine_texture };
-    folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, axis))
 }
 
 /// The bodies of a scene as one mesh, as far as they are around `pose`.
@@ -151,12 +95,12 @@ pub(crate) fn draw_panels_by(panels: &[PanelView; 4], pose: &[Vec3], camera: &Ca
 pub(crate) fn picture(
     topology: &Topology,
     pose: &[Vec3],
-    fine: &Upsampled,
-    wrinkled: &[Vec3],
+    wrinkled: &Wrinkled,
     amplitude_max_m: f64,
     up: Up,
     obstacles: &[Obstacle],
 ) -> Image {
+    let fine = &wrinkled.fine;
     let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
     let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
     let phase: Vec<[f64; 3]> =
@@ -175,7 +119,7 @@ pub(crate) fn picture(
         PanelView { title: "Phase", subject: base, paint: Paint::Phase { corners: &phase } },
         PanelView {
             title: "Wrinkled surface",
-            subject: Subject { positions: wrinkled, faces: &fine.topology.faces },
+            subject: Subject { positions: &wrinkled.positions, faces: &fine.topology.faces },
             paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
         },
     ];

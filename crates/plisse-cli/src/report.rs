@@ -1,6 +1,6 @@
 //! report.json and the short table on the terminal: the same figures.
 
-use plisse::field::{EnergyTerms, FieldReport, WrinkleField};
+use plisse::field::{EnergyTerms, FieldReport, Wavelengths, WrinkleField};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::Topology;
 use plisse::rest::RestMetric;
@@ -36,7 +36,7 @@ pub(crate) struct Report {
     pub(crate) projected_gradient: f64,
     pub(crate) amplitude_m: AmplitudeSummary,
     /// Over wrinkled faces whose amplitude is at least 1 % of the largest; null where nothing wrinkles.
-    pub(crate) wavelength_m: Option<WavelengthSummary>,
+    pub(crate) wavelength_m: Option<Wavelengths>,
     pub(crate) base: Option<BaseSummary>,
     pub(crate) surface: SurfaceSummary,
     pub(crate) measures: Vec<Measured>,
@@ -48,13 +48,6 @@ pub(crate) struct Report {
 pub(crate) struct AmplitudeSummary {
     pub(crate) max: f64,
     pub(crate) mean: f64,
-}
-
-#[derive(Serialize)]
-pub(crate) struct WavelengthSummary {
-    pub(crate) min: f64,
-    pub(crate) median: f64,
-    pub(crate) max: f64,
 }
 
 #[derive(Serialize)]
@@ -90,7 +83,7 @@ pub(crate) struct Seconds {
 impl Report {
     pub(crate) fn new(title: &str, topology: &Topology, rest: &RestMetric, field: &WrinkleField, found: &FieldReport) -> Self {
         let count = field.amplitude_m.len().max(1) as f64;
-        let max = field.amplitude_m.iter().copied().fold(0.0, f64::max);
+        let max = field.largest_amplitude_m();
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: title.to_owned(),
@@ -109,7 +102,7 @@ impl Report {
             wrinkle_free_energy_joule: found.wrinkle_free_energy_joule,
             projected_gradient: found.projected_gradient,
             amplitude_m: AmplitudeSummary { max, mean: field.amplitude_m.iter().sum::<f64>() / count },
-            wavelength_m: wavelengths(topology, rest, field, max),
+            wavelength_m: field.wavelengths(topology, rest),
             base: None,
             surface: SurfaceSummary { levels: 0, vertices: 0, faces: 0 },
             measures: Vec::new(),
@@ -211,18 +204,4 @@ impl From<&BaseReport> for BaseSummary {
             inverted_faces: base.inverted_faces.clone(),
         }
     }
-}
-
-/// Of the faces that wrinkle visibly, `largest` (m) being the largest amplitude.
-pub(crate) fn wavelengths(topology: &Topology, rest: &RestMetric, field: &WrinkleField, largest: f64) -> Option<WavelengthSummary> {
-    let mut list: Vec<f64> = (0..topology.face_count())
-        .filter(|&f| {
-            let mean = topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>() / 3.0;
-            !field.wrinkle_free[f] && largest > 0.0 && mean >= 0.01 * largest
-        })
-        .map(|f| std::f64::consts::TAU / field.frequency(topology, rest, f).norm())
-        .filter(|w| w.is_finite())
-        .collect();
-    list.sort_by(f64::total_cmp);
-    Some(WavelengthSummary { min: *list.first()?, median: list[list.len() / 2], max: *list.last()? })
 }

@@ -4,47 +4,31 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, curvature, solve};
+use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, solve};
 use plisse::io::aside::OutputFolder;
+use plisse::io::glb::UpAxis;
 use plisse::linalg::newton::Ending;
-use plisse::material::Material;
-use plisse::mesh::{Topology, Vec2, Vec3};
-use plisse::obstacle::Obstacle;
-use plisse::rest::RestMetric;
-use plisse::scene::{MOST_LEVELS, Measured};
+use plisse::mesh::Topology;
+use plisse::scene::Measured;
 use plisse::shell::BaseReport;
-use plisse::surface::{Displacement, displace, keep_out, suggest_levels, upsample};
+use plisse::surface::{MOST_FACES, levels_within};
+use plisse::wrinkled;
 use plisse::{Error, Result};
 
 use crate::Done;
 use crate::arguments::{OutputArguments, Up};
-use crate::outputs::{self, Texture};
+use crate::outputs;
 use crate::progress::Bars;
 use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
 
-/// Most faces of a wrinkled surface.
-const FACE_LIMIT: usize = 20_000_000;
-
-/// A pose that is to be wrinkled.
-pub(crate) struct Posed<'a> {
+/// What both commands make of their input.
+pub(crate) struct Job<'a> {
     pub(crate) title: &'a str,
     /// What was published about it.
     pub(crate) paper: Option<&'a str>,
-    pub(crate) topology: &'a Topology,
-    pub(crate) rest: &'a RestMetric,
-    /// Rest positions and corners.
-    pub(crate) rest_shape: (&'a [Vec3], &'a [[usize; 3]]),
-    /// Texture coordinates and corners, if there are any.
-    pub(crate) texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
-    pub(crate) pose: &'a [Vec3],
+    pub(crate) posed: wrinkled::Posed<'a>,
     pub(crate) held: &'a [bool],
-    pub(crate) material: &'a Material,
-    /// Bodies that the wrinkles stay out of, and how far (m).
-    pub(crate) obstacles: (&'a [Obstacle], f64),
     pub(crate) field: FieldOptions,
-    pub(crate) levels: Option<usize>,
-    pub(crate) v1: bool,
-    pub(crate) v2: bool,
     pub(crate) up: Up,
     pub(crate) base: Option<&'a BaseReport>,
     pub(crate) notes: Vec<String>,
@@ -83,19 +67,13 @@ pub(crate) fn leave_out(field: &mut FieldOptions, names: &[String]) -> Result<()
     Ok(())
 }
 
-/// How many times `topology` can be subdivided before it has too many faces.
-fn most_levels(topology: &Topology) -> usize {
-    let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
-    (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0)
-}
-
 /// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything long begins.
 pub(crate) fn check_levels(field: &str, levels: Option<usize>, topology: &Topology) -> Result<()> {
-    let most = most_levels(topology);
+    let most = levels_within(topology, MOST_FACES);
     match levels {
         Some(levels) if levels > most => {
             let message =
-                format!("{levels} levels would make more than {FACE_LIMIT} faces of {}; ask for {most} or fewer", topology.face_count());
+                format!("{levels} levels would make more than {MOST_FACES} faces of {}; ask for {most} or fewer", topology.face_count());
             Err(Error::value(field, message))
         }
         _ => Ok(()),
@@ -104,7 +82,7 @@ pub(crate) fn check_levels(field: &str, levels: Option<usize>, topology: &Topolo
 
 /// Field, phase, surface, picture, files, table.
 pub(crate) fn finish(
-    posed: Posed<'_>,
+    job: Job<'_>,
     arguments: &OutputArguments,
     mut folder: OutputFolder,
     bars: &Bars<'_>,
@@ -112,50 +90,42 @@ pub(crate) fn finish(
     begun: Instant,
     measure: impl FnOnce(&WrinkleField, &FieldReport) -> Vec<Measured>,
 ) -> Result<Done> {
-    let topology = posed.topology;
-    let solved = solve(topology, posed.rest, posed.pose, posed.held, posed.material, &posed.field, bars)?;
+    let (posed, topology) = (&job.posed, job.posed.topology);
+    let solved = solve(topology, posed.rest, posed.pose, job.held, posed.material, &job.field, bars)?;
     bars.finish();
     let (field, found) = (&solved.field, &solved.report);
-    let mut report = Report::new(posed.title, topology, posed.rest, field, found);
-    report.paper = posed.paper.map(str::to_owned);
+    let mut report = Report::new(job.title, topology, posed.rest, field, found);
+    report.paper = job.paper.map(str::to_owned);
     report.measures = measure(field, found);
-    report.notes = posed.notes;
-    if let Some(base) = posed.base {
+    report.notes = job.notes;
+    if let Some(base) = job.base {
         report.base = Some(BaseSummary::from(base));
         report.seconds.base = base.seconds;
     }
 
     let surface_begun = Instant::now();
     let spinner = bars.spinner("surface");
-    let levels = match arguments.levels.map(|l| l as usize).or(posed.levels) {
-        Some(levels) => levels,
-        // Who interrupts does not want to wait for a fine surface.
-        None if interrupted.load(Ordering::SeqCst) => 0,
-        // A mesh may be so fine already that what the wavelength asks for would be too much.
-        None => suggest_levels(topology, posed.rest, report.wavelength_m.as_ref().map(|w| w.median)).min(most_levels(topology)),
-    };
-    let mut fine = upsample(topology, posed.pose, field, posed.rest_shape.0, posed.rest_shape.1, levels);
-    let forms = posed.v1.then(|| curvature::second_forms(topology, posed.pose, posed.field.curvature_rings));
-    let how = Displacement { v2: posed.v2, v1: forms.as_deref().map(|forms| (forms, posed.material)) };
-    let mut wrinkled = displace(&fine, &how);
-    for positions in [&mut wrinkled, &mut fine.base] {
-        keep_out(positions, posed.obstacles.0, posed.obstacles.1);
-    }
-    report.surface = SurfaceSummary { levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
-    let texture = posed.texture.map(|coarse| Texture::refined(coarse, levels));
+    // Who interrupts does not want to wait for a fine surface.
+    let hurried = interrupted.load(Ordering::SeqCst) && posed.levels.is_none();
+    let wrinkled = posed.wrinkle(field, if hurried { 0 } else { posed.levels(field) });
+    let fine = &wrinkled.fine;
+    report.surface = SurfaceSummary { levels: fine.levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
     drop(spinner);
 
     if !arguments.no_picture {
         let spinner = bars.spinner("picture");
-        let picture = outputs::picture(topology, posed.pose, &fine, &wrinkled, report.amplitude_m.max, posed.up, posed.obstacles.0);
+        let picture = outputs::picture(topology, posed.pose, &wrinkled, report.amplitude_m.max, job.up, posed.obstacles.0);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
         drop(spinner);
     } else {
         folder.leave_out("picture.png");
     }
     let spinner = bars.spinner("files");
-    outputs::write_meshes(&mut folder, topology, posed.pose, &fine, &wrinkled, texture.as_ref(), posed.up)?;
-    folder.write("field.json", |out| plisse::field::json::write(out, topology, field))?;
+    let axis = match job.up {
+        Up::Y => UpAxis::Y,
+        Up::Z => UpAxis::Z,
+    };
+    posed.write(&mut folder, field, &wrinkled, axis)?;
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {
         let interrupted = ending_name(Ending::Cancelled);

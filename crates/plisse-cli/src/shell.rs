@@ -12,12 +12,13 @@ use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{Built, Measured, Scene};
 use plisse::shell::{ReferenceOptions, ReferenceReport, solve_base, solve_reference};
 use plisse::strain::strain;
+use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 
 use crate::Done;
 use crate::arguments::{ShellArguments, Start, Up};
-use crate::outputs::{self, BASE_SRGB, CLOTH, CLOTH_SRGB, draw_panels, panel_texture};
+use crate::outputs::{self, BASE_SRGB, CLOTH_SRGB, draw_panels};
 use crate::progress::Bars;
 use crate::report::{BaseSummary, ending_name, measured_row};
 use crate::road::{open_output_at, with_threads};
@@ -135,7 +136,7 @@ fn write(
 ) -> Result<()> {
     let spinner = bars.spinner("files");
     let faces = &built.topology.faces;
-    let texture = built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces));
+    let texture = built.texture();
     let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
     folder.write("base.obj", |out| obj::write(out, start, faces, texture))?;
     folder.write("shell.obj", |out| obj::write(out, pose, faces, texture))?;

@@ -9,12 +9,8 @@ use plisse::shell::{BaseReport, solve_base};
 
 use crate::Done;
 use crate::arguments::{SolveArguments, Up};
-use crate::outputs::panel_texture;
 use crate::progress::Bars;
-use crate::road::{Posed, check_levels, finish, leave_out, open_output, with_threads};
-
-/// Contact thicknesses that wrinkles stay off bodies.
-const CLEARANCE: f64 = 0.25;
+use crate::road::{Job, check_levels, finish, leave_out, open_output, with_threads};
 
 pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
@@ -29,26 +25,19 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     with_threads(arguments.output.threads, || {
         let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
         bars.finish();
-        let posed = Posed {
+        let mut posed = built.posed(&pose);
+        posed.levels = arguments.output.levels.map(|levels| levels as usize).or(posed.levels);
+        let job = Job {
             title: &built.title,
             paper: Some(built.paper.as_str()).filter(|paper| !paper.is_empty()),
-            topology: &built.topology,
-            rest: &built.rest,
-            rest_shape: (&built.rest_positions, &built.rest_faces),
-            texture: built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces)),
-            pose: &pose,
+            posed,
             held: &built.clamps.held(),
-            material: &built.material,
-            obstacles: (&built.obstacles, CLEARANCE * built.contact_thickness_m),
             field: built.field.clone(),
-            levels: built.levels,
-            v1: built.v1,
-            v2: built.v2,
             up: Up::Z,
             base: Some(&base),
             notes: built.notes.iter().cloned().chain(base_notes(&base)).collect(),
         };
-        finish(posed, &arguments.output, folder, &bars, interrupted, begun, |field, report| scene::measure(&built, field, report))
+        finish(job, &arguments.output, folder, &bars, interrupted, begun, |field, report| scene::measure(&built, field, report))
     })
 }
 

@@ -4,17 +4,18 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use plisse::Result;
+use plisse::bake::islands::panel_texture;
 use plisse::field::FieldOptions;
 use plisse::io::clamp_file::read_clamped_vertices;
 use plisse::io::worn;
 use plisse::material::Material;
 use plisse::rest::RestMetric;
+use plisse::wrinkled::Posed;
 
 use crate::Done;
 use crate::arguments::WrinkleArguments;
-use crate::outputs::panel_texture;
 use crate::progress::Bars;
-use crate::road::{Posed, check_levels, finish, leave_out, open_output, with_threads};
+use crate::road::{Job, check_levels, finish, leave_out, open_output, with_threads};
 
 pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
@@ -36,24 +37,28 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
         let posed = Posed {
-            title: &arguments.pose.display().to_string(),
-            paper: None,
             topology,
             rest: &metric,
             rest_shape: (&worn.rest_positions, &worn.rest_faces),
             texture,
             pose: &worn.positions,
-            held: &held,
             material: &material,
+            curvature_rings: field.curvature_rings,
             obstacles: (&[], 0.0),
-            field,
-            levels: None,
+            levels: arguments.output.levels.map(|levels| levels as usize),
             v1: false,
             v2: true,
+        };
+        let job = Job {
+            title: &arguments.pose.display().to_string(),
+            paper: None,
+            posed,
+            held: &held,
+            field,
             up: arguments.up,
             base: None,
             notes: worn.notes,
         };
-        finish(posed, &arguments.output, folder, &bars, interrupted, begun, |_, _| Vec::new())
+        finish(job, &arguments.output, folder, &bars, interrupted, begun, |_, _| Vec::new())
     })
 }

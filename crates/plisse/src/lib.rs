@@ -3,7 +3,7 @@
 //! A surface knows its **rest metric** (what length every edge wants to have) and its **pose** (what length it has).
 //! Where the pose is shorter than the rest, the surface must leave its own plane: it wrinkles. Data flows one way:
 //! [`mesh`] and [`io`] → [`rest`] → [`strain`] (from a pose that [`shell`] solved, or a file) → [`field`] → [`surface`]
-//! → [`bake`], [`picture`] and files. [`scene`] describes such a road in a file; [`linalg`] lies under all of them.
+//! → [`bake`], [`picture`] and the files of [`wrinkled`]. [`scene`] describes such a road in a file; [`linalg`] lies under all of them.
 //!
 //! Units are SI everywhere: metre, pascal, radian, joule.
 //!
@@ -58,5 +58,6 @@ pub mod scene;
 pub mod shell;
 pub mod strain;
 pub mod surface;
+pub mod wrinkled;
 
 pub use error::{Error, Result};

@@ -7,13 +7,13 @@ use plisse::picture::{Paint, PanelView, Subject, write_png};
 use plisse::scene::schema::{MeasureKind, MeasureTable};
 use plisse::scene::{self, Built, Measured, Scene};
 use plisse::shell::{BaseReport, ReferenceOptions, ReferenceReport, solve_base, solve_reference};
-use plisse::surface::{Displacement, displace, keep_out, suggest_levels, upsample};
+use plisse::surface::{levels_within, upsample};
+use plisse::wrinkled::Posed;
 
 use super::table::{Cell, Illustration, fixed, none};
 use super::{Stop, Study};
 use crate::arguments::Up;
 use crate::outputs::{BASE_SRGB, CLOTH_SRGB, draw_panels_at};
-use crate::report::wavelengths;
 
 /// Size of a study's pictures (pixels).
 const SIZE: (usize, usize) = (960, 720);
@@ -48,7 +48,7 @@ impl Solution {
 
     /// Median wavelength (mm) of what wrinkles visibly.
     pub(crate) fn wavelength_mm(&self) -> Cell {
-        let summary = wavelengths(&self.built.topology, &self.built.rest, &self.solved.field, 1e-3 * self.peak_mm());
+        let summary = self.solved.field.wavelengths(&self.built.topology, &self.built.rest);
         summary.map_or_else(none, |summary| fixed(1e3 * summary.median, 2))
     }
 
@@ -169,10 +169,9 @@ impl Look {
 
     /// The surface that `field` wrinkles; `v2`: with the in-plane correction.
     pub(crate) fn wrinkled(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField, v2: bool) -> Self {
-        let fine = upsample(&built.topology, pose, field, &built.rest_positions, &built.rest_faces, levels(built, field));
-        let mut positions = displace(&fine, &Displacement { v2, v1: None });
-        keep_out(&mut positions, &built.obstacles, 0.5 * built.material.thickness_m);
-        Self { title: title.to_owned(), positions, faces: fine.topology.faces, paint: LookPaint::Cloth }
+        let obstacles = (&built.obstacles[..], 0.5 * built.material.thickness_m);
+        let wrinkled = Posed { v1: false, v2, obstacles, ..built.posed(pose) }.wrinkle(field, levels(built, field));
+        Self { title: title.to_owned(), positions: wrinkled.positions, faces: wrinkled.fine.topology.faces, paint: LookPaint::Cloth }
     }
 
     /// The phase on the base surface.
@@ -194,7 +193,5 @@ impl Look {
 
 /// Subdivisions that show the wrinkles.
 fn levels(built: &Built, field: &WrinkleField) -> usize {
-    let median = wavelengths(&built.topology, &built.rest, field, 1e-3 * peak_mm(field)).map(|summary| summary.median);
-    let wanted = suggest_levels(&built.topology, &built.rest, median);
-    (0..=wanted).rev().find(|&levels| built.topology.face_count() * 4_usize.pow(levels as u32) <= FACES).unwrap_or(0)
+    built.posed(&[]).levels(field).min(levels_within(&built.topology, FACES))
 }

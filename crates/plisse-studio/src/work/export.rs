@@ -8,6 +8,7 @@ use plisse::bake::{Options, png16};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj, ply};
 use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result};
 use plisse_live::export::{check_size, refine, suggest_parts, write_still};
 use plisse_live::live::{LiveOptions, LiveState};
@@ -17,7 +18,7 @@ use plisse_live::{bake, bias};
 
 use super::grow::Grown;
 use super::job::Reporter;
-use super::solve::{SolvedScene, fine_surface, levels_in_files};
+use super::solve::SolvedScene;
 use crate::document::maps::{paint_map, write_png};
 use crate::document::subject::shown;
 use crate::document::{Document, Layer};
@@ -26,8 +27,6 @@ use crate::document::{Document, Layer};
 const PER_WAVE: f32 = 6.0;
 /// Texels by which islands of maps are grown, as `plisse bake` has it.
 const PADDING: usize = 8;
-/// Colour of surfaces in GLB files (linear RGBA).
-const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
 
 /// What to take away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,9 +134,9 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
             }
         }
         Source::Solved(solved, _) => {
-            let levels = levels_in_files(&solved.built, &solved.field);
-            let (fine, wrinkled) = fine_surface(&solved.built, &solved.pose, &solved.field, levels);
-            plain(&fine.topology, &wrinkled)
+            let posed = solved.built.posed(&solved.pose);
+            let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
+            plain(&wrinkled.fine.topology, &wrinkled.positions)
         }
         Source::Grown(grown, document) if document.subject.scene.is_some() => plain(&grown.topology, &grown.pose),
         Source::Grown(grown, _) => {

@@ -4,26 +4,16 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use plisse::bake::islands::side_by_side;
-use plisse::field::{WrinkleField, curvature::vertex_normals, solve};
+use plisse::field::solve;
 use plisse::io::aside::OutputFolder;
-use plisse::io::{glb, obj};
-use plisse::mesh::subdivide::refine_rest;
-use plisse::mesh::{Vec2, Vec3};
+use plisse::io::glb::UpAxis;
 use plisse::progress::Observer;
-use plisse::scene::Built;
 use plisse::shell::solve_base;
 use plisse::{Error, Result};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use super::job::Reporter;
-use super::solve::{fine_surface, levels_in_files};
 use crate::document::SceneText;
-
-/// Colour of the wrinkled surface in files (linear RGBA), as `plisse solve` has it.
-const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
-
-type Texture = (Vec<Vec2>, Vec<[usize; 3]>);
 
 /// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (but picture and report) into `folder`.
 ///
@@ -47,36 +37,10 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
         return Err(Error::value("take away", "it was stopped, nothing was written; begin it again"));
     }
     reporter.stage("files", Some(0.8));
-    meshes(&mut out, built, &pose, &solved.field)?;
+    let posed = built.posed(&pose);
+    let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
+    posed.write(&mut out, &solved.field, &wrinkled, UpAxis::Z)?;
     out.commit()
-}
-
-fn meshes(out: &mut OutputFolder, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Result<()> {
-    let topology = &built.topology;
-    let levels = levels_in_files(built, field);
-    let (fine, wrinkled) = fine_surface(built, pose, field, levels);
-    let coarse = built.texture.clone().or_else(|| panel_texture(&built.rest_positions, &built.rest_faces));
-    let refined = coarse.clone().map(|coarse| (0..levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));
-    let coarse = coarse.as_ref().map(|t| (&t.0[..], &t.1[..]));
-    let refined = refined.as_ref().map(|t| (&t.0[..], &t.1[..]));
-    out.write("base.obj", |file| obj::write(file, pose, &topology.faces, coarse))?;
-    out.write("wrinkled.obj", |file| obj::write(file, &wrinkled, &fine.topology.faces, refined))?;
-    let normals = vertex_normals(&fine.topology, &wrinkled);
-    let mesh = glb::Mesh { positions: &wrinkled, normals: &normals, faces: &fine.topology.faces, texture: refined };
-    out.write("wrinkled.glb", |file| glb::write(file, &mesh, CLOTH, glb::UpAxis::Z))?;
-    out.write("field.json", |file| plisse::field::json::write(file, topology, field))
-}
-
-/// Texture coordinates from flat rest panels: their rest positions, side by side in the unit square.
-fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<Texture> {
-    let first = *rest_positions.first()?;
-    let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let size = (high - low).x.max((high - low).y);
-    if (high - low).z > 1e-9 * size {
-        return None;
-    }
-    let flat: Vec<Vec2> = rest_positions.iter().map(|p| p.xy()).collect();
-    Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
 }
 
 /// The scene's text with plain names for the files it names, and where those lie, by the names they get. Comments stay.

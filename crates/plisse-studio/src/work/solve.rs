@@ -6,14 +6,15 @@
 use std::sync::Arc;
 
 use plisse::Result;
-use plisse::field::{FieldReport, WrinkleField, curvature, solve};
+use plisse::field::{FieldReport, WrinkleField, solve};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Observer;
-use plisse::scene::{Built, MOST_LEVELS, Measured, measure};
+use plisse::scene::{Built, Measured, measure};
 use plisse::shell::{BaseOptions, BaseReport, solve_base};
 use plisse::strain::strain;
-use plisse::surface::{Displacement, Upsampled, displace, keep_out, suggest_levels, upsample};
+use plisse::surface::levels_within;
+use plisse::wrinkled::Wrinkled;
 use plisse_live::field::{Waves, from_field};
 use plisse_live::render::Corner;
 use plisse_live::skin::Skinned;
@@ -26,8 +27,6 @@ use crate::view::Solid;
 
 /// Iterations of the first bout of the base solve.
 const FIRST_BOUT: usize = 6;
-/// Contact thicknesses that wrinkles stay off bodies, as `plisse solve` has it.
-pub(crate) const CLEARANCE: f64 = 0.25;
 /// Most faces of a fine surface that is only looked at.
 const MOST_FACES: usize = 150_000;
 
@@ -44,10 +43,8 @@ pub struct SolvedScene {
     pub field: WrinkleField,
     /// How the field's solve went.
     pub report: FieldReport,
-    /// The divided surface.
-    pub fine: Upsampled,
-    /// Its wrinkled places (m).
-    pub wrinkled: Vec<Vec3>,
+    /// The surface with them, as it is seen.
+    pub wrinkled: Wrinkled,
     /// What the scene asks to measure.
     pub measures: Vec<Measured>,
 }
@@ -86,57 +83,17 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
     reporter.stage("wrinkle field", Some(0.5));
     let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;
     reporter.stage("fine surface", Some(0.9));
-    let wavelength_m = median_wavelength_m(built, &solved.field);
-    let most = (0..=6).take_while(|&l| built.topology.face_count() * 4usize.pow(l) <= MOST_FACES).last().unwrap_or(0) as usize;
-    let levels = built.levels.unwrap_or_else(|| suggest_levels(&built.topology, &built.rest, wavelength_m)).min(most);
-    let levels = if reporter.cancelled() { 0 } else { levels };
-    let (fine, wrinkled) = fine_surface(built, &pose, &solved.field, levels);
-    let solid = look(built, &pose, Some(&solved.field), Some((&fine, &wrinkled)));
+    let posed = built.posed(&pose);
+    let levels = if reporter.cancelled() { 0 } else { posed.levels(&solved.field).min(levels_within(&built.topology, MOST_FACES)) };
+    let wrinkled = posed.wrinkle(&solved.field, levels);
+    let solid = look(built, &pose, Some(&solved.field), Some(&wrinkled));
     let measures = measure(built, &solved.field, &solved.report);
-    let scene = SolvedScene { built: Arc::clone(built), pose, base, field: solved.field, report: solved.report, fine, wrinkled, measures };
+    let scene = SolvedScene { built: Arc::clone(built), pose, base, field: solved.field, report: solved.report, wrinkled, measures };
     Ok(Part::Whole(Arc::new(solid), Arc::new(scene)))
 }
 
-/// Most faces of a fine surface in files, as `plisse solve` has it.
-const FACE_LIMIT: usize = 20_000_000;
-
-/// Subdivisions of the surface that `plisse solve` writes: the scene's, else those that the wavelength asks for.
-pub(crate) fn levels_in_files(built: &Built, field: &WrinkleField) -> usize {
-    let topology = &built.topology;
-    let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
-    let most = (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= FACE_LIMIT).last().unwrap_or(0);
-    built.levels.unwrap_or_else(|| suggest_levels(topology, &built.rest, median_wavelength_m(built, field)).min(most))
-}
-
-/// The divided base surface and its wrinkled places.
-pub(crate) fn fine_surface(built: &Built, pose: &[Vec3], field: &WrinkleField, levels: usize) -> (Upsampled, Vec<Vec3>) {
-    let mut fine = upsample(&built.topology, pose, field, &built.rest_positions, &built.rest_faces, levels);
-    let forms = built.v1.then(|| curvature::second_forms(&built.topology, pose, built.field.curvature_rings));
-    let how = Displacement { v2: built.v2, v1: forms.as_deref().map(|forms| (forms, &built.material)) };
-    let mut wrinkled = displace(&fine, &how);
-    for positions in [&mut wrinkled, &mut fine.base] {
-        keep_out(positions, &built.obstacles, CLEARANCE * built.contact_thickness_m);
-    }
-    (fine, wrinkled)
-}
-
-/// Median wavelength (m) of the wrinkled faces whose amplitude is at least 1 % of the largest, as `plisse solve` reports it.
-pub(crate) fn median_wavelength_m(built: &Built, field: &WrinkleField) -> Option<f64> {
-    let largest = field.amplitude_m.iter().copied().fold(0.0, f64::max);
-    let topology = &built.topology;
-    let strong = |f: &usize| {
-        let mean = topology.faces[*f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>() / 3.0;
-        !field.wrinkle_free[*f] && largest > 0.0 && mean >= 0.01 * largest
-    };
-    let lengths =
-        (0..topology.face_count()).filter(strong).map(|f| std::f64::consts::TAU / field.frequency(topology, &built.rest, f).norm());
-    let mut list: Vec<f64> = lengths.filter(|w| w.is_finite()).collect();
-    list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied()
-}
-
 /// What is seen of a pose, its field and its fine surface, as far as they are known.
-fn look(built: &Built, pose: &[Vec3], field: Option<&WrinkleField>, fine: Option<(&Upsampled, &Vec<Vec3>)>) -> Solid {
+fn look(built: &Built, pose: &[Vec3], field: Option<&WrinkleField>, wrinkled: Option<&Wrinkled>) -> Solid {
     let posed = seen(pose, &built.topology);
     let waves = field.map_or_else(
         || Waves { amplitude_m: vec![0.0; pose.len()], wave: vec![Seen::zeros(); pose.len()], phase: vec![0.0; pose.len()] },
@@ -144,9 +101,9 @@ fn look(built: &Built, pose: &[Vec3], field: Option<&WrinkleField>, fine: Option
     );
     let lengths = |e: f64| ((1.0 + e).max(0.0).sqrt() - 1.0) as f32;
     let strain = strain(&built.topology, &built.rest, pose).iter().map(|s| ordered(s.principal.map(lengths))).collect();
-    let fine = fine.map(|(fine, wrinkled)| {
-        let posed = seen(wrinkled, &fine.topology);
-        corners(&fine.topology, &posed, None)
+    let fine = wrinkled.map(|wrinkled| {
+        let topology = &wrinkled.fine.topology;
+        corners(topology, &seen(&wrinkled.positions, topology), None)
     });
     Solid { strain, fine, ..solid(&built.topology, posed, &waves) }
 }

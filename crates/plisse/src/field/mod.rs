@@ -16,11 +16,13 @@ pub mod phase_unknowns;
 pub mod problem;
 pub mod scaling_law;
 mod solve;
+mod wavelengths;
 pub mod wrinkle_free;
 
 pub use density::{EnergyTerms, Terms};
 pub use scaling_law::{ScalingLaw, scaling_law};
 pub use solve::{FieldOptions, FieldReport, Period, Solved, energy, solve};
+pub use wavelengths::Wavelengths;
 pub use wrinkle_free::WrinkleFreeRule;
 
 use crate::mesh::Topology;

@@ -8,12 +8,14 @@ use super::measure::{Probe, Quantity, cut};
 use super::read::in_file;
 use super::schema::{MeasureKind, Rule, Scene};
 use super::{bodies, garment, growth, hold, panels};
+use crate::bake::islands::panel_texture;
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
+use crate::wrinkled::{CLEARANCE, Posed};
 use crate::{Error, Result};
 
 /// Thickness of contact if the scene gives none, relative to the size of the start pose.
@@ -80,6 +82,30 @@ impl Built {
             contact_thickness_m: self.contact_thickness_m,
             contact_pressure_pa: 0.0,
         }
+    }
+}
+
+impl Built {
+    /// The scene's surface in `pose` (`[V]`, m), to be wrinkled and written.
+    pub fn posed<'a>(&'a self, pose: &'a [Vec3]) -> Posed<'a> {
+        Posed {
+            topology: &self.topology,
+            rest: &self.rest,
+            rest_shape: (&self.rest_positions, &self.rest_faces),
+            pose,
+            material: &self.material,
+            curvature_rings: self.field.curvature_rings,
+            levels: self.levels,
+            v1: self.v1,
+            v2: self.v2,
+            obstacles: (&self.obstacles, CLEARANCE * self.contact_thickness_m),
+            texture: self.texture(),
+        }
+    }
+
+    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`): of the mesh's files, else flat panels side by side.
+    pub fn texture(&self) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
+        self.texture.clone().or_else(|| panel_texture(&self.rest_positions, &self.rest_faces))
     }
 }
 

@@ -6,6 +6,7 @@ use super::{bodies, garment, growth, hold};
 use crate::field::Terms;
 use crate::material::Material;
 use crate::mesh::Vec3;
+use crate::surface::MOST_LEVELS;
 use crate::{Error, Result};
 
 /// Longest length and farthest coordinate (m): the squares of what lies beyond serve nobody.
@@ -16,8 +17,6 @@ const MOST_DENSITY: f64 = 1e6;
 const MOST_ITERATIONS: usize = 1_000_000;
 /// Most rings that curvature may be fitted to.
 const MOST_RINGS: usize = 20;
-/// Most subdivisions: each makes four faces of one.
-pub const MOST_LEVELS: usize = 8;
 /// Name in `field.without` that is no term of the energy.
 pub(super) const RELAXED_INTEGRABILITY: &str = "relaxed-integrability";
 

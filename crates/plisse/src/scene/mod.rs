@@ -21,7 +21,6 @@ mod resolution;
 pub mod schema;
 
 pub use build::{Built, BuiltPanel, build};
-pub use check::MOST_LEVELS;
 pub use growth::{BuiltGrowth, build_growth};
 pub use measure::{Measured, Probe, Quantity, measure};
 pub use measure_shell::measure_shell;

@@ -1,10 +1,12 @@
-//! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]): [`mod@upsample`] subdivides both,
+//! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]): [`mod@upsample`] subdivides both as often as [`levels`] says,
 //! [`mod@displace`] moves the fine vertices by eq. 19, [`mod@keep_out`] lays what then is inside a body on its surface.
 
 pub mod displace;
 pub mod keep_out;
+pub mod levels;
 pub mod upsample;
 
 pub use displace::{Displacement, displace};
 pub use keep_out::keep_out;
-pub use upsample::{Upsampled, suggest_levels, upsample};
+pub use levels::{MOST_FACES, MOST_LEVELS, levels_within, suggest_levels};
+pub use upsample::{Upsampled, upsample};

@@ -10,7 +10,6 @@ use std::f64::consts::TAU;
 use crate::field::WrinkleField;
 use crate::mesh::subdivide::{Refinement, refine, refine_rest};
 use crate::mesh::{NONE, Topology, Vec3};
-use crate::rest::RestMetric;
 
 /// A subdivided base surface with its wrinkle field.
 #[derive(Clone, Debug)]
@@ -35,9 +34,6 @@ pub struct Upsampled {
 
 /// Boundary vertices whose rest angle differs from a straight line by more than this (rad) are corners and stay in place.
 const CORNER_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
-
-/// Most fine faces that [`suggest_levels`] allows.
-const FACE_LIMIT: usize = 1_500_000;
 
 /// Subdivides `levels` times a base surface (`positions`, `[V]`, m), the `field` on it, and its rest shape.
 pub fn upsample(
@@ -74,18 +70,6 @@ pub fn upsample(
     let wrinkle_free: Vec<bool> = (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
     let phase = chart.corners(&fine, &wrinkle_free);
     Upsampled { topology: fine, levels, base, amplitude_m, phase, wrinkle_free, rest_positions: rest.0, rest_faces: rest.1 }
-}
-
-/// Levels after which the median wavelength spans at least eight fine edges, as far as 1.5 million faces allow; at least 2.
-pub fn suggest_levels(topology: &Topology, rest: &RestMetric, median_wavelength_m: Option<f64>) -> usize {
-    let edge = (rest.area_m2() / topology.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
-    let mut levels = 2;
-    while topology.face_count() * 4_usize.pow(levels as u32 + 1) <= FACE_LIMIT
-        && median_wavelength_m.is_some_and(|wavelength| edge / f64::from(1 << levels) > wavelength / 8.0)
-    {
-        levels += 1;
-    }
-    levels
 }
 
 /// `[V]` boundary vertices at which the rest boundary turns sharply.
