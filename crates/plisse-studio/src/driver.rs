@@ -124,6 +124,7 @@ impl Driver {
             "redo" => studio.run(Command::Redo),
             "solve" => studio.solve_or_stop(),
             "grow" => studio.grow_or_stop(),
+            "fold" => studio.fold_under_brush(step.text(0)? == "on"),
             "spacing" => studio.document.settings.fold_spacing_m = f64::from(step.number(0)?),
             "take" => {
                 let kind = match step.text(0)? {

@@ -2,7 +2,7 @@
 //!
 //! One command a line; `#` begins a comment. `open FILE`, `tab NAME`, `view NAME`, `time S`, `play`, `hold`, `orbit DEG DEG`, `zoom F`,
 //! `fit`, `brush NAME VALUE` (layer, radius, strength, value, heading, mirror, falloff, action), `stroke X Y X Y …` (shares of the
-//! picture), `undo`, `redo`, `solve`, `grow`, `take KIND PATH`, `wait S`, `settle` (until nothing is on its way), `screenshot PATH`, `show NAME`, `spacing M`,
+//! picture), `undo`, `redo`, `solve`, `grow`, `fold on` (or `off`), `take KIND PATH`, `wait S`, `settle` (until nothing is on its way), `screenshot PATH`, `show NAME`, `spacing M`,
 //! `clip NAME`, `wavelength M`, `lose-gpu`,
 //! `save PATH`, `quit`.
 

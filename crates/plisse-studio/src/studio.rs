@@ -364,6 +364,7 @@ impl Studio {
         self.take_sheet(ctx);
         self.take_jobs();
         self.paint();
+        self.follow_brush();
         if self.playing && self.looking == Looking::Live {
             self.play(passed as f32);
         }

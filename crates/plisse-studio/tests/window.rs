@@ -458,6 +458,51 @@ fn what_is_painted_grows() {
 }
 
 #[test]
+fn the_surface_folds_under_the_brush_and_what_is_taken_back_comes_back_to_the_bit() {
+    let mut harness = window(studio(false, None));
+    let sheet =
+        plisse_studio::document::Subject::new(plisse_studio::document::Source::Own("sheet".into()), plisse_live::models::sheet(41, 41));
+    let studio = harness.state_mut();
+    studio.show(plisse_studio::document::Document::new(sheet), None);
+    (studio.document.settings.fold_spacing_m, studio.document.settings.coherence_m) = (0.2, 0.2);
+    (studio.playing, studio.tab) = (false, Tab::Grow);
+    studio.brush.radius_m = 0.12;
+    settle(&mut harness);
+    harness.get_by_label("fold under the brush").click();
+    harness.step();
+    assert!(harness.state().growth.follows() && harness.state().brush.layer == Layer::Expansion);
+    let stroke = |y: f32| [-60.0, -30.0, 0.0, 30.0, 60.0].map(|x| MIDDLE + egui::vec2(x, y));
+    let pose = |harness: &Harness<'static, Studio>| harness.state().growth.grown.as_ref().unwrap().pose.clone();
+    drag(&mut harness, &stroke(-40.0));
+    settle(&mut harness);
+    let first = pose(&harness);
+    let depth = |pose: &[plisse::mesh::Vec3]| pose.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
+    assert!(depth(&first) > 0.01, "{}", depth(&first));
+    assert_eq!(harness.state().looking, Looking::Grown);
+    // Far from the stroke nothing moves at all.
+    let flat = first.iter().filter(|p| p.y == 0.0).count();
+    assert!(flat > 200 && flat < 1500, "{flat}");
+    drag(&mut harness, &stroke(60.0));
+    settle(&mut harness);
+    assert_ne!(pose(&harness), first);
+    harness.state_mut().run(plisse_studio::commands::Command::Undo);
+    settle(&mut harness);
+    assert_eq!(pose(&harness), first);
+    // Done again, it folds again; what cannot be followed is told.
+    harness.state_mut().run(plisse_studio::commands::Command::Redo);
+    settle(&mut harness);
+    assert_ne!(pose(&harness), first);
+    harness.state_mut().fold_under_brush(false);
+    harness.state_mut().growth.grown = None;
+    harness.state_mut().fold_under_brush(true);
+    let begun = Instant::now();
+    while harness.state().growth.follows() && begun.elapsed() < Duration::from_secs(20) {
+        harness.step();
+    }
+    says(&harness, "press Grow the whole");
+}
+
+#[test]
 fn frames_of_a_hundred_thousand_vertices_are_measured() {
     let (rows, strokes, device) = plisse_studio::measure::rows(false, &[View::Wrinkled], 1).unwrap();
     for row in &rows {

@@ -3,7 +3,7 @@
 mod sheets;
 
 use plisse::growth::equilibrium::grow_through;
-use plisse::growth::sculpt::{Change, Dab, Paint, SculptOptions, Sculpture, Spot};
+use plisse::growth::sculpt::{Change, Dab, Paint, Painted, SculptOptions, Sculpture, Spot};
 use plisse::growth::{Expansion, Growing, GrowthOptions};
 use plisse::linalg::newton::Ending;
 use plisse::mesh::Vec3;
@@ -78,6 +78,33 @@ fn what_lies_outside_keeps_its_bits_and_all_comes_back() {
     assert!(sculpture.pose() == rested && sculpture.is_settled());
     sculpture.restore(change.then(settled));
     assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()) && sculpture.is_settled());
+}
+
+#[test]
+fn values_painted_from_elsewhere_are_followed_and_come_back() {
+    let (sheet, mut sculpture) = grown(1.0, 1e-3);
+    let before = sculpture.clone();
+    let n = sculpture.pose().len();
+    let grown = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &vec![1.1; n]).unwrap();
+    let under = |v: &usize| (sheet.pose[*v] - Vec3::new(0.5, 0.3, 0.0)).norm() < WAVELENGTH_M;
+    let values: Vec<(usize, Painted)> =
+        (0..n).filter(under).map(|v| (v, Painted { growth: grown.vertices[v], ..sculpture.painted()[v] })).collect();
+    let (change, report) = sculpture.paint(&values).unwrap();
+    assert!(report.touched == values.len() && report.active > values.len() && report.solved < n);
+    assert!(values.iter().all(|&(v, to)| sculpture.painted()[v] == to));
+    let reach = WAVELENGTH_M * 2.25 + 1e-9;
+    for v in change.moved() {
+        assert!((sheet.pose[v] - Vec3::new(0.5, 0.3, 0.0)).norm() < reach + 0.02, "{v}");
+    }
+    assert!(change.moved().count() > 100 && !sculpture.is_settled());
+    sculpture.restore(change);
+    assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()) && sculpture.is_settled());
+    // Nothing asked for, nothing done; what cannot be changes nothing.
+    assert!(sculpture.paint(&[]).unwrap().0.is_empty());
+    for wrong in [vec![values[1], values[0]], vec![(n, values[0].1)], vec![(0, Painted { wavelength_m: -1.0, ..values[0].1 })]] {
+        assert!(sculpture.paint(&wrong).unwrap_err().to_string().contains("; "));
+        assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()));
+    }
 }
 
 #[test]

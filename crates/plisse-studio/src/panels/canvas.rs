@@ -40,9 +40,9 @@ impl Studio {
                 show_legend(&painter, rect, legend);
             }
         }
-        let hint = match self.tab {
-            Tab::Paint => "drag on the surface: paint   right drag: turn   middle drag: move   wheel: nearer",
-            _ => "drag: turn   middle or shift drag: move   wheel: nearer   double click: fit",
+        let hint = match self.paints() {
+            true => "drag on the surface: paint   right drag: turn   middle drag: move   wheel: nearer",
+            false => "drag: turn   middle or shift drag: move   wheel: nearer   double click: fit",
         };
         let text = painter.layout_no_wrap(hint.to_owned(), FontId::proportional(11.5), INK.gamma_multiply(0.85));
         let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), text.size());
@@ -83,12 +83,17 @@ impl Studio {
         ui.add_space(3.0);
     }
 
+    /// Whether the pointer paints where it meets the surface.
+    fn paints(&self) -> bool {
+        self.tab == Tab::Paint || self.tab == Tab::Grow && self.growth.follows()
+    }
+
     fn pointer(&mut self, ui: &Ui, response: &egui::Response, rect: Rect) {
         let at = |p: Pos2| Vec2::new((p.x - rect.left()) / rect.width(), (p.y - rect.top()) / rect.height());
         let (modifiers, scroll, pinch) = ui.input(|i| (i.modifiers, i.smooth_scroll_delta.y, i.zoom_delta()));
         let delta = response.drag_delta() / rect.height().max(1.0);
         let primary = response.dragged_by(egui::PointerButton::Primary);
-        let can_paint = self.tab == Tab::Paint && !modifiers.alt;
+        let can_paint = self.paints() && !modifiers.alt;
         if response.drag_started_by(egui::PointerButton::Primary) && can_paint {
             let press = ui.input(|i| i.pointer.press_origin()).unwrap_or(rect.center());
             if self.hit(at(press)).is_some() {
@@ -123,10 +128,10 @@ impl Studio {
             self.table.zoom((scroll / 240.0).exp() * pinch);
             self.moving = true;
         }
-        if response.double_clicked() && self.tab != Tab::Paint {
+        if response.double_clicked() && !self.paints() {
             self.fit();
         }
-        if let (Tab::Paint, Some(p)) = (self.tab, response.hover_pos()) {
+        if let (true, Some(p)) = (self.paints(), response.hover_pos()) {
             self.ring(ui, rect, at(p));
         }
     }

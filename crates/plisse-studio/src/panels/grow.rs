@@ -9,6 +9,7 @@ use super::slider;
 use crate::document::Layer;
 use crate::studio::{Looking, Studio};
 use crate::view::Solid;
+use crate::work::fold::{Fold, Wanted};
 use crate::work::grow::{Grown, Part, plan, run};
 use crate::work::job::{Job, News, Progress};
 
@@ -20,6 +21,14 @@ pub struct Growth {
     /// The last whole result.
     pub grown: Option<Arc<Grown>>,
     progress: Progress,
+    /// What follows the brush, while that is asked for.
+    fold: Option<Fold>,
+    /// What it was asked to follow last: revision and dabs.
+    followed: (u64, u64),
+    /// The spacing and the coherence (m) that it goes by.
+    widths_m: (f64, f64),
+    /// Milliseconds that it took last.
+    fold_ms: f32,
 }
 
 impl Growth {
@@ -30,7 +39,12 @@ impl Growth {
 
     /// Whether something grows.
     pub fn is_busy(&self) -> bool {
-        self.job.is_some()
+        self.job.is_some() || self.fold.as_ref().is_some_and(Fold::is_busy)
+    }
+
+    /// Whether the surface folds under the brush.
+    pub fn follows(&self) -> bool {
+        self.fold.is_some()
     }
 
     /// Forgets everything.
@@ -47,8 +61,49 @@ impl Studio {
             return;
         }
         let (document, wake) = (self.document.clone(), Arc::clone(&self.wake));
+        self.growth.fold = None;
         self.growth.progress = Progress::default();
         self.growth.job = Some(Job::start("grow", move || wake(), move |reporter| run(&plan(&document)?, reporter)));
+    }
+
+    /// Lets the surface fold under the brush from now on, or no longer.
+    pub fn fold_under_brush(&mut self, on: bool) {
+        if !on {
+            self.growth.fold = None;
+            return;
+        }
+        let document = self.document.clone();
+        self.growth.followed = (self.document.revision, self.cached.dabs);
+        self.growth.widths_m = (document.settings.fold_spacing_m, document.settings.coherence_m);
+        self.growth.fold = Some(Fold::start(document, self.growth.grown.clone(), Arc::clone(&self.wake)));
+        self.choose_layer(Layer::Expansion);
+    }
+
+    /// Has the fold follow what was painted, and takes what came of it.
+    pub(crate) fn follow_brush(&mut self) {
+        let settings = &self.document.settings;
+        if self.growth.follows() && self.growth.widths_m != (settings.fold_spacing_m, settings.coherence_m) {
+            self.fold_under_brush(true);
+        }
+        let Some(fold) = &mut self.growth.fold else { return };
+        let painted = (self.document.revision, self.cached.dabs);
+        if painted != self.growth.followed {
+            self.growth.followed = painted;
+            let strokes = self.document.history.done().len() + usize::from(self.trail.is_some());
+            fold.want(Wanted { layers: self.document.layers.clone(), strokes });
+        }
+        match fold.take() {
+            Some(Ok(folded)) => {
+                (self.growth.solid, self.growth.grown) = (Some(folded.solid), Some(folded.grown));
+                self.growth.fold_ms = folded.ms;
+                self.looking = Looking::Grown;
+            }
+            Some(Err(error)) => {
+                self.messages.problem(error);
+                self.growth.fold = None;
+            }
+            None => {}
+        }
     }
 
     pub(crate) fn take_growth(&mut self) {
@@ -96,6 +151,17 @@ impl Studio {
             let (low, high) = (0.005 * size_m, 0.5 * size_m);
             slider(ui, &mut settings.fold_spacing_m, low..=high, "spacing", " m", "distance from fold to fold, as seen before growth (m)");
             slider(ui, &mut settings.coherence_m, 0.0..=size_m, "coherence", " m", "how far crests run straight where none is painted (m)");
+        }
+        let mut follows = self.growth.follows();
+        let tip = "what the brush paints grows at once, and what lies around it follows";
+        if ui.checkbox(&mut follows, "fold under the brush").on_hover_text(tip).changed() {
+            self.fold_under_brush(follows);
+        }
+        if follows {
+            ui.label("Drag on the surface: it grows under the brush.");
+            self.brush_controls(ui);
+            ui.label(format!("the last dabs took {:.0} ms", self.growth.fold_ms));
+            return;
         }
         let busy = self.growth.is_busy();
         if ui.add_enabled(busy || painted || told, Button::new(if busy { "Stop" } else { "Grow the whole" })).clicked() {

@@ -20,6 +20,12 @@ impl Studio {
             self.choose_layer(layer);
         }
         ui.add_space(6.0);
+        self.brush_controls(ui);
+    }
+
+    /// The brush, whatever it paints on.
+    pub(crate) fn brush_controls(&mut self, ui: &mut Ui) {
+        let layer = self.brush.layer;
         ui.heading("Brush");
         ui.horizontal(|ui| {
             ui.selectable_value(&mut self.brush.action, Action::Paint, "Paint");

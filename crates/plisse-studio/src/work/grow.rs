@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use plisse::growth::expansion::Growth;
 use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
-use plisse::mesh::{Topology, Vec3};
+use plisse::mesh::{Mat2, Topology, Vec3};
 use plisse::progress::Observer;
 use plisse::rest::RestMetric;
 use plisse::scene::growth::Mode;
@@ -16,7 +17,7 @@ use plisse_live::field::Waves;
 use super::job::Reporter;
 use super::solve::{seen, solid};
 use crate::document::subject::unshown;
-use crate::document::{Document, Layer};
+use crate::document::{Document, Layer, Layers};
 use crate::view::Solid;
 
 /// From this share on a vertex counts as frozen.
@@ -31,7 +32,7 @@ pub enum Plan {
     Painted(Box<Painted>),
 }
 
-/// What is painted, as growth takes it.
+/// A surface, and what is painted on it as growth takes it.
 #[derive(Clone, Debug)]
 pub struct Painted {
     topology: Topology,
@@ -41,19 +42,94 @@ pub struct Painted {
     wavelength_m: Vec<f64>,
     coherence_m: Vec<f64>,
     frozen: Vec<[bool; 3]>,
-    options: GrowthOptions,
+    /// `[V]` what stays where it is whatever is painted.
+    pub(super) held: Vec<bool>,
+    pub(super) options: GrowthOptions,
+}
+
+impl Painted {
+    pub(super) fn growing(&self) -> Growing<'_> {
+        Growing {
+            wavelength_m: self.wavelength_m.clone(),
+            coherence_m: self.coherence_m.clone(),
+            frozen: self.frozen.clone(),
+            ..Growing::new(&self.topology, &self.rest, &self.start, self.expansion.clone(), 1.0, 0.0)
+        }
+    }
+}
+
+/// What is painted on one vertex that growth asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Numbers {
+    /// As in [`Layer::Expansion`].
+    expansion: [f32; 4],
+    wavelength: f32,
+    coherence: f32,
+    freeze: f32,
+}
+
+impl Numbers {
+    pub(super) fn of(layers: &Layers, v: usize) -> Self {
+        let first = |layer| layers.of(layer)[v][0];
+        Self {
+            expansion: layers.of(Layer::Expansion)[v],
+            wavelength: first(Layer::Wavelength),
+            coherence: first(Layer::Coherence),
+            freeze: first(Layer::Freeze),
+        }
+    }
+
+    /// Growth along where it points, and then all ways; `frame` has growth 1.
+    pub(super) fn growth(&self, frame: &Growth) -> Growth {
+        let [x, y, z, all] = self.expansion;
+        let (direction, normal) = (unshown(&Seen::new(x, y, z)), frame.along.cross(&frame.across));
+        let (longer, all) = ((1.0 + direction.norm()).powi(2), (1.0 + f64::from(all)).powi(2));
+        let flat = direction - normal * normal.dot(&direction);
+        match flat.try_normalize(1e-6 * direction.norm()) {
+            Some(along) if longer != 1.0 => Growth { along, across: normal.cross(&along), form: Mat2::new(longer * all, 0.0, 0.0, all) },
+            _ => Growth { form: Mat2::identity() * all, ..*frame },
+        }
+    }
+
+    pub(super) fn wavelength_m(&self, spacing_m: f64) -> f64 {
+        f64::from(self.wavelength) * spacing_m
+    }
+
+    pub(super) fn coherence_m(&self, where_none_is_painted_m: f64) -> f64 {
+        if self.coherence > 0.0 { f64::from(self.coherence) } else { where_none_is_painted_m }
+    }
+
+    pub(super) fn frozen(&self) -> bool {
+        self.freeze >= FROZEN
+    }
+
+    /// Largest factor, up or down, by which some length changes from this to `to`.
+    pub(super) fn growth_to(&self, to: &Self) -> f64 {
+        let direction = |n: &Self| Vec3::new(f64::from(n.expansion[0]), f64::from(n.expansion[1]), f64::from(n.expansion[2]));
+        let along = |n: &Self| 1.0 + direction(n).norm();
+        let all = |n: &Self| 1.0 + f64::from(n.expansion[3]);
+        let parallel = direction(self).cross(&direction(to)).norm() <= 1e-3 * direction(self).norm() * direction(to).norm();
+        let lengths = if parallel { along(self).max(along(to)) / along(self).min(along(to)) } else { along(self).max(along(to)) };
+        lengths * all(self).max(all(to)) / all(self).min(all(to))
+    }
+
+    /// This share of the way to `to`.
+    pub(super) fn towards(&self, to: &Self, share: f64) -> Self {
+        let mix = |a: f32, b: f32| if share >= 1.0 { b } else { a + (b - a) * share as f32 };
+        Self {
+            expansion: std::array::from_fn(|k| mix(self.expansion[k], to.expansion[k])),
+            wavelength: mix(self.wavelength, to.wavelength),
+            coherence: if share >= 1.0 { to.coherence } else { self.coherence },
+            freeze: if share >= 1.0 { to.freeze } else { self.freeze },
+        }
+    }
 }
 
 impl Plan {
     fn growing(&self) -> Growing<'_> {
         match self {
             Self::Scene(built) => built.growing(),
-            Self::Painted(sheet) => Growing {
-                wavelength_m: sheet.wavelength_m.clone(),
-                coherence_m: sheet.coherence_m.clone(),
-                frozen: sheet.frozen.clone(),
-                ..Growing::new(&sheet.topology, &sheet.rest, &sheet.start, sheet.expansion.clone(), 1.0, 0.0)
-            },
+            Self::Painted(sheet) => sheet.growing(),
         }
     }
 
@@ -103,6 +179,15 @@ pub fn plan(document: &Document) -> Result<Plan> {
     if !painted {
         return Err(Error::value("grow", "nothing says what shall grow; paint Expansion first"));
     }
+    Ok(Plan::Painted(Box::new(self::painted(document)?)))
+}
+
+/// The surface of `document` with what is painted on it.
+///
+/// # Errors
+/// [`Error::Mesh`] for a mesh that cannot grow.
+pub(super) fn painted(document: &Document) -> Result<Painted> {
+    let subject = &document.subject;
     let (topology, rest, start, held) = match &subject.scene {
         Some(scene) => {
             let built = &scene.built;
@@ -116,28 +201,21 @@ pub fn plan(document: &Document) -> Result<Plan> {
             (topology, rest, start, vec![false; count])
         }
     };
-    let layer = |l: Layer| document.layers.of(l);
-    let vector = |x: &[f32; 4]| unshown(&Seen::new(x[0], x[1], x[2]));
-    let directions: Vec<Vec3> = layer(Layer::Expansion).iter().map(vector).collect();
-    let factors: Vec<f64> = directions.iter().map(|d| 1.0 + d.norm()).collect();
-    let all: Vec<f64> = layer(Layer::Expansion).iter().map(|x| 1.0 + f64::from(x[3])).collect();
-    let along = Expansion::from_directions(&topology, &start, &directions, &factors)?;
-    let expansion = along.then(&Expansion::from_factors(&topology, &start, &all)?);
+    let numbers: Vec<Numbers> = (0..start.len()).map(|v| Numbers::of(&document.layers, v)).collect();
+    let frames = Expansion::none(&topology, &start)?;
     let settings = &document.settings;
-    let shares = layer(Layer::Wavelength).iter().map(|x| f64::from(x[0]));
-    let coherence = |x: &[f32; 4]| if x[0] > 0.0 { f64::from(x[0]) } else { settings.coherence_m };
-    let frozen = layer(Layer::Freeze).iter().zip(held).map(|(x, held)| [x[0] >= FROZEN || held; 3]).collect();
     let (young_pa, poisson) = subject.scene.as_ref().map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
-    Ok(Plan::Painted(Box::new(Painted {
-        expansion,
-        wavelength_m: shares.map(|s| s * settings.fold_spacing_m).collect(),
-        coherence_m: layer(Layer::Coherence).iter().map(coherence).collect(),
-        frozen,
+    Ok(Painted {
+        expansion: Expansion { vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect() },
+        wavelength_m: numbers.iter().map(|n| n.wavelength_m(settings.fold_spacing_m)).collect(),
+        coherence_m: numbers.iter().map(|n| n.coherence_m(settings.coherence_m)).collect(),
+        frozen: numbers.iter().zip(&held).map(|(n, held)| [n.frozen() || *held; 3]).collect(),
+        held,
         options: GrowthOptions { young_pa, poisson, ..GrowthOptions::default() },
         topology,
         rest,
         start,
-    })))
+    })
 }
 
 /// Grows it; on a mesh that follows the folds, if its scene says so.
@@ -177,7 +255,7 @@ pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
 }
 
 /// What is seen of a pose; `asked` is the metric that strain is against.
-fn look(topology: &Topology, asked: &RestMetric, pose: &[Vec3]) -> Solid {
+pub(super) fn look(topology: &Topology, asked: &RestMetric, pose: &[Vec3]) -> Solid {
     let posed = seen(pose, topology);
     let count = pose.len();
     let waves = Waves { amplitude_m: vec![0.0; count], wave: vec![Seen::zeros(); count], phase: vec![0.0; count] };

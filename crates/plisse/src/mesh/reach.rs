@@ -46,6 +46,27 @@ impl Reach {
         for v in corners {
             self.offer(v, (place(v) - origin).norm());
         }
+        self.search(around, place, radius_m)
+    }
+
+    /// Vertices up to `radius_m` from any of the vertices `from`, nearest first, with their distances (m); else as [`Reach::from`].
+    pub fn around_all<I: Iterator<Item = [usize; 3]>>(
+        &mut self,
+        from: impl Iterator<Item = usize>,
+        around: impl Fn(usize) -> I,
+        place: impl Fn(usize) -> Vec3,
+        radius_m: f64,
+    ) -> Vec<(usize, f64)> {
+        from.for_each(|v| self.offer(v, 0.0));
+        self.search(around, place, radius_m)
+    }
+
+    fn search<I: Iterator<Item = [usize; 3]>>(
+        &mut self,
+        around: impl Fn(usize) -> I,
+        place: impl Fn(usize) -> Vec3,
+        radius_m: f64,
+    ) -> Vec<(usize, f64)> {
         while let Some(Reverse((bits, v))) = self.waiting.pop() {
             let distance = f64::from_bits(bits);
             if self.settled[v] || distance > radius_m {

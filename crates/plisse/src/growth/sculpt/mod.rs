@@ -250,6 +250,43 @@ impl Sculpture {
             }
         }
         painted.sort_unstable_by_key(|entry| entry.0);
+        self.follow_painted(painted, near, begun, found)
+    }
+
+    /// Gives each of these vertices (ascending) other values, and lets what lies around follow, as [`Sculpture::dab`] does.
+    ///
+    /// # Errors
+    /// As [`Sculpture::dab`]; [`Error::Value`] for vertices that are not there or not ascending.
+    pub fn paint(&mut self, values: &[(usize, Painted)]) -> Result<(Change, SculptReport)> {
+        let begun = Instant::now();
+        let ascending = values.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        if !ascending || values.last().is_some_and(|last| last.0 >= self.pose.len()) {
+            return Err(Error::value(
+                "paint",
+                format!("the vertices are none of the {}, or not sorted; give each once, ascending", self.pose.len()),
+            ));
+        }
+        if values.is_empty() {
+            return Ok((Change::default(), SculptReport::default()));
+        }
+        let widest = |most: f64, (v, to): &(usize, Painted)| most.max(self.painted[*v].wavelength_m).max(to.wavelength_m);
+        let margin = self.brush.margin * values.iter().fold(0.0, widest);
+        let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
+        let seeds = values.iter().map(|entry| entry.0);
+        let near = self.reach.around_all(seeds, |v| around[v].iter().map(|&f| faces[f]), |v| start[v], margin);
+        let found = begun.elapsed().as_secs_f64();
+        let painted = values.iter().map(|&(v, to)| (v, std::mem::replace(&mut self.painted[v], to))).collect();
+        self.follow_painted(painted, near, begun, found)
+    }
+
+    /// Lets the vertices `near` what was painted follow; `painted` holds what was there before (ascending).
+    fn follow_painted(
+        &mut self,
+        painted: Vec<(usize, Painted)>,
+        near: Vec<(usize, f64)>,
+        begun: Instant,
+        found: f64,
+    ) -> Result<(Change, SculptReport)> {
         let mut active: Vec<usize> = near.into_iter().map(|(v, _)| v).collect();
         active.sort_unstable();
         let effort = Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };

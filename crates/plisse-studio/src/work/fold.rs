@@ -1,0 +1,306 @@
+//! Folding under the brush: what is painted is followed by the local solve of growth, in the background, a piece of work at a time.
+//!
+//! The painted layers are what counts: whatever differs between them and what was followed so far grows in small steps, and then comes to rest.
+//! A stroke that is taken back is restored to the bit.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use plisse::Result;
+use plisse::growth::sculpt::{Change, Painted, SculptOptions, Sculpture};
+use plisse::growth::{Expansion, GrowthOptions, GrowthReport, StepReport};
+use plisse::mesh::Vec3;
+use plisse::progress::{Observer, Step};
+
+use super::grow::{self, Grown, Numbers};
+use super::thread::spawn;
+use crate::document::{Document, Layer, Layers};
+use crate::view::Solid;
+
+/// Largest factor of length by which a place grows before its surroundings follow.
+const STEP: f64 = 1.1;
+/// Newton iterations of a bout of coming to rest, after which it is shown; and how many bouts there are at most.
+const BOUT: usize = 8;
+const MOST_BOUTS: usize = 25;
+
+/// Layers to follow.
+pub struct Wanted {
+    /// What is painted.
+    pub layers: Layers,
+    /// How many strokes led to it, with the one on its way.
+    pub strokes: usize,
+}
+
+/// What was folded.
+#[derive(Clone)]
+pub struct Folded {
+    /// What is seen of it.
+    pub solid: Arc<Solid>,
+    /// The surface.
+    pub grown: Arc<Grown>,
+    /// Milliseconds that following took.
+    pub ms: f32,
+    /// Whether it is at rest with what is painted.
+    pub at_rest: bool,
+}
+
+/// Where the window and the thread meet.
+struct Desk {
+    /// What to begin with, until the follower is made.
+    document: Mutex<Option<(Document, Option<Arc<Grown>>)>>,
+    follower: Mutex<Option<Follower>>,
+    wanted: Mutex<Option<Wanted>>,
+    is_over: AtomicBool,
+    out: Mutex<Option<Result<Folded>>>,
+}
+
+impl Desk {
+    /// Follows the newest layers, or comes nearer to rest where there are none.
+    fn work(&self) -> Result<Folded> {
+        let lost = || plisse::Error::value("fold under the brush", "it made a mistake before and stopped; switch it off and on again");
+        let mut follower = self.follower.lock().map_err(|_| lost())?;
+        if let Some((document, grown)) = self.document.lock().map_err(|_| lost())?.take() {
+            *follower = Some(Follower::new(&document, grown.as_deref())?);
+        }
+        let wanted = self.wanted.lock().map_err(|_| lost())?.take();
+        follower.as_mut().ok_or_else(lost)?.follow(wanted, self)
+    }
+
+    fn waits(&self) -> bool {
+        self.wanted.lock().is_ok_and(|wanted| wanted.is_some())
+    }
+}
+
+/// A bout of coming to rest ends as soon as something else was painted.
+impl Observer for Desk {
+    fn step(&self, _: &Step) {}
+
+    fn cancelled(&self) -> bool {
+        self.is_over.load(Ordering::SeqCst) || self.waits()
+    }
+}
+
+/// The window's end.
+pub struct Fold {
+    desk: Arc<Desk>,
+    works: bool,
+    wake: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl Fold {
+    /// Goes on from `document`, and from what it has `grown` to if something has; `wake` is called when there is news. If that cannot be, this is
+    /// the news.
+    pub fn start(document: Document, grown: Option<Arc<Grown>>, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+        let desk = Desk {
+            document: Mutex::new(Some((document, grown))),
+            follower: Mutex::default(),
+            wanted: Mutex::default(),
+            is_over: AtomicBool::new(false),
+            out: Mutex::default(),
+        };
+        let mut fold = Self { desk: Arc::new(desk), works: false, wake };
+        fold.work();
+        fold
+    }
+
+    /// Asks for these layers to be followed; what was asked for before and not begun is forgotten.
+    pub fn want(&mut self, wanted: Wanted) {
+        if let Ok(mut there) = self.desk.wanted.lock() {
+            *there = Some(wanted);
+        }
+        self.work();
+    }
+
+    /// What came of it, if there is something new; and goes on.
+    pub fn take(&mut self) -> Option<Result<Folded>> {
+        let folded = self.desk.out.lock().ok()?.take()?;
+        self.works = false;
+        if self.desk.waits() || folded.as_ref().is_ok_and(|folded| !folded.at_rest) {
+            self.work();
+        }
+        Some(folded)
+    }
+
+    /// Whether it is not at rest with what was asked for.
+    pub fn is_busy(&self) -> bool {
+        self.works
+    }
+
+    fn work(&mut self) {
+        if std::mem::replace(&mut self.works, true) {
+            return;
+        }
+        let (desk, wake) = (Arc::clone(&self.desk), Arc::clone(&self.wake));
+        spawn("fold", move || {
+            let folded = catch_unwind(AssertUnwindSafe(|| desk.work()));
+            let broken =
+                |_| Err(plisse::Error::value("fold under the brush", "the program made a mistake; save your work and report what you did"));
+            if let Ok(mut out) = desk.out.lock() {
+                *out = Some(folded.unwrap_or_else(broken));
+            }
+            wake();
+        });
+    }
+}
+
+impl Drop for Fold {
+    fn drop(&mut self) {
+        self.desk.is_over.store(true, Ordering::SeqCst);
+    }
+}
+
+/// Something that was followed, and what it led away from.
+struct Done {
+    /// With how many strokes.
+    strokes: usize,
+    change: Change,
+    /// Vertices and the numbers that were followed before.
+    numbers: Vec<(usize, Numbers)>,
+}
+
+/// The thread's end: a surface, and the numbers that it follows.
+pub struct Follower {
+    sculpture: Sculpture,
+    /// `[V]` growth 1, whose frames directions are read in.
+    frames: Expansion,
+    /// `[V]` what was followed so far.
+    numbers: Vec<Numbers>,
+    /// `[V]` vertices that are held whatever is painted.
+    held: Vec<bool>,
+    spacing_m: f64,
+    coherence_m: f64,
+    done: Vec<Done>,
+    /// Bouts of coming to rest that are left since something was painted last; none after something was taken back.
+    bouts: usize,
+}
+
+impl Follower {
+    /// Goes on from `document`, and from what it has `grown` to if something has.
+    ///
+    /// # Errors
+    /// As [`Sculpture::new`]; [`plisse::Error::Value`] if something is painted that has not grown yet, or has grown on another mesh.
+    pub fn new(document: &Document, grown: Option<&Grown>) -> Result<Self> {
+        if grown.is_none() && document.layers.is_painted(Layer::Expansion) {
+            let message = "what is painted already has not grown yet; press Grow the whole, then the brush goes on from there";
+            return Err(plisse::Error::value("fold under the brush", message));
+        }
+        let sheet = grow::painted(document)?;
+        let growing = sheet.growing();
+        let pose = match grown {
+            Some(grown) if grown.topology.faces != growing.topology.faces => {
+                let message = "what has grown has another mesh than the model; undo growth.remesh in its scene, or paint before it grows";
+                return Err(plisse::Error::value("fold under the brush", message));
+            }
+            Some(grown) => grown.pose.clone(),
+            None => growing.start.to_vec(),
+        };
+        let brush = SculptOptions { growth_limit: f64::INFINITY, ..SculptOptions::default() };
+        Ok(Self {
+            frames: Expansion::none(growing.topology, growing.start)?,
+            numbers: (0..pose.len()).map(|v| Numbers::of(&document.layers, v)).collect(),
+            held: sheet.held.clone(),
+            spacing_m: document.settings.fold_spacing_m,
+            coherence_m: document.settings.coherence_m,
+            sculpture: Sculpture::new(&growing, pose, GrowthOptions { iteration_limit: BOUT, ..sheet.options.clone() }, brush)?,
+            done: Vec::new(),
+            bouts: 0,
+        })
+    }
+
+    /// Follows these layers, or goes on coming to rest.
+    ///
+    /// # Errors
+    /// As [`Sculpture::paint`] and [`Sculpture::settle`]; the surface then is as it was.
+    pub fn follow(&mut self, wanted: Option<Wanted>, observer: &dyn Observer) -> Result<Folded> {
+        let begun = std::time::Instant::now();
+        let mut step = None;
+        if let Some(wanted) = wanted {
+            self.take_back(wanted.strokes);
+            step = self.paint(&wanted)?.or(step);
+        } else if self.bouts > 0 {
+            self.bouts -= 1;
+            let (change, report) = self.sculpture.settle(observer)?;
+            let strokes = self.done.last().map_or(0, |done| done.strokes);
+            self.keep(strokes, change, Vec::new());
+            step = report.step;
+        }
+        let growing = self.sculpture.growing();
+        let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+        let pose = self.sculpture.pose().to_vec();
+        let solid = Arc::new(grow::look(growing.topology, &asked, &pose));
+        let seconds = begun.elapsed().as_secs_f64();
+        let report = Arc::new(GrowthReport { steps: step.into_iter().collect(), asked, seconds });
+        let grown = Arc::new(Grown { topology: growing.topology.clone(), pose, report });
+        let at_rest = self.bouts == 0 || self.sculpture.is_settled();
+        Ok(Folded { solid, grown, ms: 1e3 * seconds as f32, at_rest })
+    }
+
+    /// `[V]` the surface (m).
+    pub fn pose(&self) -> &[Vec3] {
+        self.sculpture.pose()
+    }
+
+    /// Restores what was before the strokes beyond the first `strokes`.
+    fn take_back(&mut self, strokes: usize) {
+        while let Some(done) = self.done.pop_if(|done| done.strokes > strokes) {
+            self.sculpture.restore(done.change);
+            done.numbers.into_iter().for_each(|(v, numbers)| self.numbers[v] = numbers);
+            self.bouts = 0;
+        }
+    }
+
+    /// Grows what differs, in steps.
+    fn paint(&mut self, wanted: &Wanted) -> Result<Option<StepReport>> {
+        let to = |v: usize| Numbers::of(&wanted.layers, v);
+        let differing: Vec<usize> = (0..self.numbers.len()).filter(|&v| self.numbers[v] != to(v)).collect();
+        let factor = differing.iter().map(|&v| self.numbers[v].growth_to(&to(v))).fold(1.0, f64::max);
+        let steps = (factor.ln() / STEP.ln()).ceil().clamp(1.0, 64.0) as usize;
+        let (mut all, mut last) = (Change::default(), None);
+        for k in 1..=steps {
+            let share = k as f64 / steps as f64;
+            let values: Vec<(usize, Painted)> =
+                differing.iter().map(|&v| (v, self.painted(v, &self.numbers[v].towards(&to(v), share)))).collect();
+            match self.sculpture.paint(&values) {
+                Ok((change, report)) => {
+                    all = all.then(change);
+                    last = report.step.or(last);
+                }
+                Err(error) => {
+                    self.sculpture.restore(all);
+                    return Err(error);
+                }
+            }
+        }
+        if !differing.is_empty() {
+            self.keep(wanted.strokes, all, differing.iter().map(|&v| (v, self.numbers[v])).collect());
+            differing.iter().for_each(|&v| self.numbers[v] = to(v));
+            self.bouts = MOST_BOUTS;
+        }
+        Ok(last)
+    }
+
+    /// What the numbers of vertex `v` ask for.
+    fn painted(&self, v: usize, numbers: &Numbers) -> Painted {
+        Painted {
+            growth: numbers.growth(&self.frames.vertices[v]),
+            wavelength_m: numbers.wavelength_m(self.spacing_m),
+            coherence_m: numbers.coherence_m(self.coherence_m),
+            frozen: [self.held[v] || numbers.frozen(); 3],
+            ..self.sculpture.painted()[v]
+        }
+    }
+
+    fn keep(&mut self, strokes: usize, change: Change, numbers: Vec<(usize, Numbers)>) {
+        match self.done.last_mut().filter(|last| last.strokes == strokes) {
+            Some(last) => {
+                last.change = std::mem::take(&mut last.change).then(change);
+                // Of numbers that changed twice the first are kept.
+                last.numbers.extend(numbers);
+                last.numbers.sort_by_key(|entry| entry.0);
+                last.numbers.dedup_by_key(|entry| entry.0);
+            }
+            None => self.done.push(Done { strokes, change, numbers }),
+        }
+    }
+}
