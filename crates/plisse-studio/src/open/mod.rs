@@ -28,6 +28,13 @@ pub fn open(path: &Path) -> Result<Document> {
     Ok(Document::new(subject(path)?))
 }
 
+/// The file to open of several that came together: a document, else a scene, else a model; none of other kinds.
+pub fn first(paths: &[PathBuf]) -> Option<&Path> {
+    let is = |path: &PathBuf, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
+    let ends = [DOCUMENT_END, ".toml", ".glb", ".gltf", ".obj", ".ply"];
+    ends.iter().find_map(|end| paths.iter().find(|path| is(path, end))).map(PathBuf::as_path)
+}
+
 /// The model or scene in the file `path`.
 ///
 /// # Errors
@@ -44,10 +51,10 @@ pub fn subject(path: &Path) -> Result<Subject> {
             Ok(subject)
         }
         "ply" => {
-            let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+            let bytes = plisse::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
             Ok(Subject::new(source, ply::parse(&path.display().to_string(), &name(path), &bytes)?))
         }
-        "toml" => Subject::scene(path.to_path_buf(), std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?),
+        "toml" => Subject::scene(path.to_path_buf(), plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?),
         _ => {
             let message = "this kind of file is not known; open .glb, .gltf, .obj, .ply, a scene .toml or a .plisse.json";
             Err(Error::value(path.display().to_string(), message))
@@ -83,7 +90,7 @@ fn from_obj(name: &str, read: &obj::Obj) -> Model {
 
 /// The document saved in `path`, with its model from beside it.
 fn document(path: &Path) -> Result<Document> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?;
+    let text = plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?;
     restore(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new(".")))
 }
 
@@ -114,7 +121,7 @@ pub fn restore(place: &str, text: &str, folder: &Path) -> Result<Document> {
 
 /// The text of `document` for a file in `folder`.
 pub fn text(document: &Document, folder: &Path) -> String {
-    let whole = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_path_buf());
+    let whole = plisse::io::disk::whole;
     let folder = whole(folder);
     saved::write(document, |file| {
         let file = whole(file);
