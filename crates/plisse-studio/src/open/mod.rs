@@ -151,3 +151,17 @@ pub fn usual_path(source: &Source) -> PathBuf {
         Source::File(path) => path.with_file_name(name),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_files_that_come_together_the_one_that_names_the_others_is_opened() {
+        let first_of = |names: &[&str]| first(&names.iter().map(PathBuf::from).collect::<Vec<_>>()).map(|p| p.display().to_string());
+        assert_eq!(first_of(&["a.obj", "s.toml", "b.obj"]).as_deref(), Some("s.toml"));
+        assert_eq!(first_of(&["s.toml", "a.obj", "X.PLISSE.JSON"]).as_deref(), Some("X.PLISSE.JSON"));
+        assert_eq!(first_of(&["a.bin", "m.gltf"]).as_deref(), Some("m.gltf"));
+        assert_eq!(first_of(&["a.bin", "t.png", "bias.json"]), None);
+    }
+}

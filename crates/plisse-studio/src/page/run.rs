@@ -1,6 +1,6 @@
 //! What the page and the program say to each other.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -26,6 +26,8 @@ const AUTOSAVES: &str = "autosave";
 const LEFT: &str = "autosave/autosave-0.plisse.json";
 
 thread_local! {
+    /// Whether there is an autosave of this visit.
+    static KEEPS: Cell<bool> = const { Cell::new(false) };
     /// Files that came from outside and are to be opened, and what calls for a frame then.
     static ARRIVED: RefCell<(Vec<PathBuf>, Option<egui::Context>)> = const { RefCell::new((Vec::new(), None)) };
 }
@@ -91,23 +93,35 @@ async fn run() -> Result<(), JsValue> {
     options.wgpu_options.wgpu_setup = setup.into();
     let canvas: web_sys::HtmlCanvasElement = call("canvas", &[])?.dyn_into()?;
     let create = move |context: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
-        Ok(Box::new(window(context, driver, asked.files.first())?))
+        Ok(Box::new(window(context, driver, &asked)?))
     };
     eframe::WebRunner::new().start(canvas, options, Box::new(create)).await
 }
 
-fn window(context: &eframe::CreationContext<'_>, driver: Option<Driver>, file: Option<&String>) -> plisse::Result<Window> {
+fn window(context: &eframe::CreationContext<'_>, driver: Option<Driver>, asked: &Asked) -> plisse::Result<Window> {
     context.egui_ctx.set_theme(egui::Theme::Light);
     ARRIVED.with_borrow_mut(|arrived| arrived.1 = Some(context.egui_ctx.clone()));
     let (graphics, name) = graphics(context);
     let keep = driver.is_none().then(|| PathBuf::from(AUTOSAVES));
     let ctx = context.egui_ctx.clone();
     let mut studio = Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
-    if let Some(file) = file {
+    studio.messages.note(format!("drawn by {name}{}", why(&name, asked)));
+    if let Some(file) = asked.files.first() {
         studio.open(Path::new(file));
     }
     tell("running", &name);
     Ok(Window { studio, driver, failure: Arc::default() })
+}
+
+/// Why WebGL 2 draws, if it does.
+fn why(name: &str, asked: &Asked) -> &'static str {
+    let has_webgpu = call("has_webgpu", &[]).is_ok_and(|has| has.is_truthy());
+    match (name.starts_with("WebGL"), asked.webgl, has_webgpu) {
+        (false, ..) => "",
+        (_, true, _) => ", as the page's address asks",
+        (_, _, false) => "; this browser has no WebGPU",
+        (_, _, true) => "; this browser's WebGPU gives no adapter",
+    }
 }
 
 /// The page's adapter, and its name.
@@ -153,6 +167,12 @@ pub(crate) fn after_frame(window: &mut Window) {
                 window.studio.messages.problem(format!("the browser did not take {}: {}; try again", path.display(), text_of(&error)));
             }
         }
+    }
+    let keeps = disk::list(Path::new(AUTOSAVES))
+        .is_ok_and(|files| files.iter().any(|(name, _)| Path::new(AUTOSAVES).join(name) != Path::new(LEFT)));
+    if KEEPS.replace(keeps) && !keeps {
+        // Storage that cannot be emptied costs a question at the next visit.
+        let _ = call("forget", &[]);
     }
     let failure = window.failure.lock().ok().and_then(|mut f| f.take());
     if let Some(error) = failure {
