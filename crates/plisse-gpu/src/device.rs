@@ -54,6 +54,13 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|e| Error::numeric("GPU", format!("the adapter gives no device ({e}); update its driver or add --cpu")))?;
+        let info = adapter.get_info();
+        let name = format!("{} ({:?})", info.name, info.backend);
+        Ok(Self { has_timestamps: features.contains(wanted), ..Self::shared(device, queue, name) })
+    }
+
+    /// A device that a window has already; `name`: what it is called. Passes on it are not timed.
+    pub fn shared(device: wgpu::Device, queue: wgpu::Queue, name: String) -> Self {
         let failure = Arc::new(Mutex::new(None));
         let note = |failure: &Arc<Mutex<Option<String>>>, text: String| {
             if let Ok(mut first) = failure.lock() {
@@ -68,9 +75,7 @@ impl Gpu {
                 note(&lost, format!("the device was lost: {text}"));
             }
         });
-        let info = adapter.get_info();
-        let name = format!("{} ({:?})", info.name, info.backend);
-        Ok(Self { has_timestamps: features.contains(wanted), device, queue, adapter: name, failure })
+        Self { has_timestamps: false, device, queue, adapter: name, failure }
     }
 
     /// Whether the adapter is a program that stands in for a GPU.
@@ -92,16 +97,19 @@ impl Gpu {
         }
     }
 
-    /// Most bytes of a buffer.
-    pub(crate) fn most_bytes(&self) -> u64 {
+    /// Most bytes of a buffer with this use.
+    pub(crate) fn most_bytes(&self, usage: wgpu::BufferUsages) -> u64 {
         let limits = self.device.limits();
-        limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+        if usage.contains(wgpu::BufferUsages::STORAGE) {
+            return limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        }
+        limits.max_buffer_size
     }
 
     /// A buffer that holds `data`, one element of zeros if that is empty (no buffer may be).
     pub(crate) fn buffer<T: Pod>(&self, label: &str, data: &[T], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
-        let most = self.most_bytes();
+        let most = self.most_bytes(usage);
         if bytes.len() as u64 > most {
             let asks = format!("{label} need {} MB, the adapter takes {} MB at once", bytes.len() >> 20, most >> 20);
             return Err(Error::numeric("GPU", format!("{asks}; use a smaller model or add --cpu")));

@@ -19,10 +19,10 @@ impl Faces {
     /// # Errors
     /// [`plisse::Error::Numeric`] if the device fails.
     pub fn new(gpu: &Gpu, faces: &[[Corner; 3]]) -> Result<Self> {
-        let most = ((gpu.most_bytes() / (4 * FACE_FLOATS as u64)) as usize).max(1);
+        let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
+        let most = ((gpu.most_bytes(usage) / (4 * FACE_FLOATS as u64)) as usize).max(1);
         let mut batches = Vec::new();
         for (i, part) in faces.chunks(most).enumerate() {
-            let usage = wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST;
             let buffer = gpu.buffer("faces", &laid_out(part), usage)?;
             batches.push(Batch { faces: buffer, range: [i * most, i * most + part.len()] });
         }

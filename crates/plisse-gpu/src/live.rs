@@ -123,7 +123,7 @@ impl Live {
             let counts = Counts { count: count as u32, other: other as u32, first: first as u32, unused: 0 };
             gpu.buffer("counts", &[counts], Use::UNIFORM)
         };
-        let most_faces = (gpu.most_bytes() / (4 * FACE_FLOATS as u64)) as usize;
+        let most_faces = (gpu.most_bytes(wgpu::BufferUsages::STORAGE) / (4 * FACE_FLOATS as u64)) as usize;
         let mut batches = Vec::new();
         for first in (0..faces).step_by(most_faces) {
             let range = [first, faces.min(first + most_faces)];

@@ -44,14 +44,14 @@ impl Scene {
 
 /// Draws pictures of one size.
 pub struct Painter {
-    size: [usize; 2],
+    pub(crate) size: [usize; 2],
     /// Samples of a pixel along each side.
-    samples: usize,
+    pub(crate) samples: usize,
     pipeline: wgpu::RenderPipeline,
     scene: wgpu::Buffer,
     /// One for each character.
     arguments: Vec<wgpu::BindGroup>,
-    colour: wgpu::Texture,
+    pub(crate) colour: wgpu::Texture,
     depth: wgpu::TextureView,
     readable: wgpu::Buffer,
     row_bytes: u32,
@@ -111,7 +111,8 @@ impl Painter {
                 view_formats: &[],
             })
         };
-        let colour = texture(COLOUR, wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC);
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
+        let colour = texture(COLOUR, usage);
         let depth = texture(DEPTH, wgpu::TextureUsages::RENDER_ATTACHMENT).create_view(&Default::default());
         let row_bytes = (4 * fine[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let readable = gpu.device.create_buffer(&wgpu::BufferDescriptor {

@@ -1,7 +1,7 @@
 //! Milliseconds of each stage: by timestamps on the device, or, with a driver that stands in for one, by the clock around each stage
 //! (such drivers stamp passes when they queue them, not when they run).
 
-use std::time::Instant;
+use web_time::Instant;
 
 use plisse::Result;
 

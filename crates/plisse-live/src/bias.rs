@@ -57,7 +57,7 @@ pub fn random(unified: &Unified, amount: f32, seed: u64) -> Vec<Vec3> {
 /// [`Error::File`] if it cannot be read; [`Error::Value`] naming file and vertex for: no such JSON, another number of vectors, a vector
 /// that has not three numbers or is not shorter than 1.
 pub fn read(path: &Path, count: usize) -> Result<Vec<Vec3>> {
-    let text = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let text = plisse::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::value(path.display().to_string(), message);
     let file: Value =
         serde_json::from_slice(&text).map_err(|e| bad(format!("this is no JSON ({e}); write {{\"bias\": [[x, y, z], …]}}")))?;

@@ -31,7 +31,7 @@ const MOST: usize = 1 << 28;
 /// # Errors
 /// [`Error::File`] if it cannot be read; [`Error::Mesh`] as [`from_bytes`].
 pub fn read(path: &Path) -> Result<Model> {
-    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let bytes = plisse::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     from_bytes(&path.display().to_string(), &bytes, path.parent())
 }
 
@@ -501,7 +501,7 @@ fn load(uri: &str, folder: Option<&Path>) -> Option<Vec<u8>> {
         return base64(data.split_once(";base64,")?.1);
     }
     let plain = uri.replace("%20", " ");
-    std::fs::read(folder?.join(plain)).ok()
+    plisse::io::disk::read(folder?.join(plain)).ok()
 }
 
 fn base64(text: &str) -> Option<Vec<u8>> {

@@ -82,7 +82,7 @@ impl Profile {
     /// # Errors
     /// [`Error::File`] if it cannot be read; [`Error::Value`] naming the file, as [`Profile::parse`].
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?;
+        let text = plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?;
         Self::parse(&text).map_err(|error| match error {
             Error::Value { message, .. } => Error::value(path.display().to_string(), message),
             other => other,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use plisse::Result;
+use plisse::io::disk;
 
 use crate::document::{Document, Source};
 use crate::open;
@@ -52,7 +53,7 @@ impl Guard {
         self.kept = document.revision;
         self.watched = match &document.subject.source {
             Source::Own(_) => Vec::new(),
-            Source::File(path) => vec![(path.clone(), changed(path))],
+            Source::File(path) => vec![(path.clone(), disk::modified(path))],
         };
     }
 
@@ -63,7 +64,7 @@ impl Guard {
         }
         self.last_watch_s = now_s;
         for (path, known) in &mut self.watched {
-            let there = changed(path);
+            let there = disk::modified(path);
             // A file that is away may be on its way: programs replace files by renaming.
             if there.is_some() && there != *known {
                 *known = there;
@@ -101,7 +102,7 @@ impl Guard {
     /// The program ends by itself: nothing is left to recover.
     pub fn clear(&self) {
         if let Some(folder) = &self.folder {
-            let _ = std::fs::remove_file(folder.join(own_name()));
+            let _ = disk::remove(&folder.join(own_name()));
         }
     }
 
@@ -109,16 +110,15 @@ impl Guard {
     pub fn left(&self) -> Vec<Left> {
         let Some(folder) = &self.folder else { return Vec::new() };
         let mut found: Vec<(SystemTime, Left)> = Vec::new();
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
+        for (name, _) in disk::list(folder).unwrap_or_default() {
             let process =
                 name.strip_prefix("autosave-").and_then(|n| n.strip_suffix(open::DOCUMENT_END)).and_then(|n| n.parse::<u32>().ok());
-            let Some(process) = process.filter(|&p| p != std::process::id() && !is_alive(p)) else { continue };
-            let path = entry.path();
-            let saved = std::fs::read_to_string(&path).ok().and_then(|t| crate::document::saved::read(&name, &t).ok());
+            let Some(process) = process.filter(|&p| p != own_number() && !is_alive(p)) else { continue };
+            let path = folder.join(&name);
+            let saved = disk::read_text(&path).ok().and_then(|t| crate::document::saved::read(&name, &t).ok());
             let name = saved.and_then(|s| s.model.own.or(s.model.file)).unwrap_or_else(|| format!("process {process}"));
             let name = Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into_owned());
-            found.push((changed(&path).unwrap_or(SystemTime::UNIX_EPOCH), Left { path, name }));
+            found.push((disk::modified(&path).unwrap_or(SystemTime::UNIX_EPOCH), Left { path, name }));
         }
         found.sort_by_key(|b| std::cmp::Reverse(b.0));
         found.into_iter().map(|f| f.1).collect()
@@ -126,14 +126,15 @@ impl Guard {
 }
 
 fn own_name() -> String {
-    format!("autosave-{}{}", std::process::id(), open::DOCUMENT_END)
+    format!("autosave-{}{}", own_number(), open::DOCUMENT_END)
+}
+
+/// The process; pages have none.
+fn own_number() -> u32 {
+    if disk::IN_MEMORY { 1 } else { std::process::id() }
 }
 
 /// Whether a process runs; where that cannot be told, none does.
 fn is_alive(process: u32) -> bool {
     Path::new("/proc").join(process.to_string()).exists()
-}
-
-fn changed(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }

@@ -9,7 +9,7 @@ use plisse_live::models;
 
 use crate::document::{Document, Source, Subject};
 use crate::studio::{Start, Studio};
-use crate::view::View;
+use crate::view::{Graphics, View};
 
 /// Vertices along each side of the sheet.
 const SIDE: usize = 317;
@@ -48,7 +48,7 @@ pub struct Strokes {
 /// # Errors
 /// [`Error::Numeric`] if no picture comes.
 pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Strokes, String)> {
-    let mut studio = Studio::new(Start { gpu, keep: None, wake: Arc::new(|| {}) })?;
+    let mut studio = Studio::new(Start { graphics: Graphics::own(gpu), keep: None, wake: Arc::new(|| {}) })?;
     let sheet = Subject::new(Source::Own("sheet".into()), models::sheet(SIDE, SIDE));
     studio.show(Document::new(sheet), None);
     studio.document.settings.time_s = 0.5;

@@ -1,10 +1,11 @@
 //! Strokes of the brush in the window: they follow the pointer at once and are painted as far as a frame has time for it.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use plisse_live::Vec2;
 use plisse_live::skin::Skinned;
+use web_time::Instant;
 
 use crate::brush::{Canvas, Trail};
 use crate::studio::{SETTLE, Studio};

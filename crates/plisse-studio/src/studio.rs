@@ -20,7 +20,7 @@ use crate::panels::grow::Growth;
 use crate::panels::physics::Physics;
 use crate::panels::take::Taking;
 use crate::view::easel::texture_of;
-use crate::view::{Easel, Order, Sheet, Shown, Turntable, View};
+use crate::view::{Easel, Graphics, Order, Sheet, Shown, Turntable, View};
 
 /// Pictures after a change until the phases have settled, and steps of the stages in each.
 pub(crate) const SETTLE: usize = 5;
@@ -75,8 +75,8 @@ pub enum Looking {
 
 /// How the program begins.
 pub struct Start {
-    /// Whether it may use a GPU.
-    pub gpu: bool,
+    /// What may draw.
+    pub graphics: Graphics,
     /// Where autosaves lie; none: nowhere.
     pub keep: Option<PathBuf>,
     /// Calls for another frame.
@@ -133,6 +133,8 @@ pub struct Studio {
     pub(crate) later: bool,
     pub(crate) settle: usize,
     pub(crate) lose_device: bool,
+    /// Where the next picture is to be written.
+    pub(crate) wanted: Option<PathBuf>,
     /// Whether to end.
     pub quits: bool,
     pub(crate) wake: Wake,
@@ -180,7 +182,7 @@ impl Studio {
         let left = guard.left();
         let mut studio = Self {
             surface: Arc::new(Surface::new(&document.subject.unified.faces, document.subject.unified.count())),
-            easel: Easel::new(start.gpu, move || wake()),
+            easel: Easel::new(start.graphics, move || wake()),
             sheet: None,
             picture: None,
             table: Turntable::fit(&document.subject.unified.vertices.positions, 0.35, 0.1, 1.3),
@@ -214,6 +216,7 @@ impl Studio {
             guard,
             settle: SETTLE,
             lose_device: false,
+            wanted: None,
             quits: false,
             wake: start.wake,
             last_s: None,
@@ -401,12 +404,17 @@ impl Studio {
         if let Some(message) = sheet.message.take() {
             self.messages.problem(message);
         }
-        let image = ColorImage::from_rgb([sheet.image.width, sheet.image.height], &sheet.image.pixels);
-        match &mut self.picture {
-            Some(picture) => picture.set(image, TextureOptions::LINEAR),
-            None => self.picture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
+        if sheet.texture.is_none() {
+            let image = ColorImage::from_rgb([sheet.image.width, sheet.image.height], &sheet.image.pixels);
+            match &mut self.picture {
+                Some(picture) => picture.set(image, TextureOptions::LINEAR),
+                None => self.picture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
+            }
         }
         self.sheet = Some(sheet);
+        if let Some(path) = self.wanted.take() {
+            self.take_picture(&path);
+        }
         self.settle = self.settle.saturating_sub(1);
     }
 
@@ -477,7 +485,7 @@ impl Studio {
         if solid.is_some() {
             self.settle = 0;
         }
-        if self.cached.ordered.as_ref() == Some(&key) && self.settle == 0 {
+        if self.cached.ordered.as_ref() == Some(&key) && self.settle == 0 && self.wanted.is_none() {
             return;
         }
         let colour = self.colour.map(plisse_live::shade::from_srgb);
@@ -492,6 +500,7 @@ impl Studio {
             texture: Arc::clone(&self.texture),
             layer,
             steps: if self.settle > 0 && !self.playing { SETTLE_STEPS } else { 1 },
+            to_memory: self.wanted.is_some(),
             lose_device: std::mem::take(&mut self.lose_device),
         });
         self.cached.ordered = Some(key);

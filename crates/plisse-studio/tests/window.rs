@@ -8,7 +8,7 @@ use egui::{Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use plisse_studio::document::Layer;
-use plisse_studio::view::View;
+use plisse_studio::view::{Graphics, View};
 use plisse_studio::work::export::Kind;
 use plisse_studio::{Looking, Start, Studio, Tab};
 
@@ -16,7 +16,7 @@ use plisse_studio::{Looking, Start, Studio, Tab};
 const MIDDLE: Pos2 = pos2(700.0, 400.0);
 
 fn studio(gpu: bool, keep: Option<PathBuf>) -> Studio {
-    Studio::new(Start { gpu, keep, wake: Arc::new(|| {}) }).unwrap()
+    Studio::new(Start { graphics: Graphics::own(gpu), keep, wake: Arc::new(|| {}) }).unwrap()
 }
 
 fn window(studio: Studio) -> Harness<'static, Studio> {

@@ -26,6 +26,13 @@ pub fn open(path: &Path) -> Result<Document> {
     Ok(Document::new(subject(path)?))
 }
 
+/// The file to open of several that came together: a document, else a scene, else a model; none of other kinds.
+pub fn first(paths: &[PathBuf]) -> Option<&Path> {
+    let is = |path: &PathBuf, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
+    let ends = [DOCUMENT_END, ".toml", ".glb", ".gltf", ".obj", ".ply"];
+    ends.iter().find_map(|end| paths.iter().find(|path| is(path, end))).map(PathBuf::as_path)
+}
+
 /// The model or scene in the file `path`.
 ///
 /// # Errors
@@ -45,7 +52,7 @@ pub fn subject(path: &Path) -> Result<Subject> {
             let read = ply_mesh::read(path)?;
             Ok(Subject::new(source, from_ply(&name(path), &read)))
         }
-        "toml" => Subject::scene(path.to_path_buf(), std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?),
+        "toml" => Subject::scene(path.to_path_buf(), plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?),
         _ => {
             let message = "this kind of file is not known; open .glb, .gltf, .obj, .ply, a scene .toml or a .plisse.json";
             Err(Error::value(path.display().to_string(), message))
@@ -89,7 +96,7 @@ fn from_ply(name: &str, read: &ply_mesh::PlyMesh) -> Model {
 
 /// The document saved in `path`, with its model from beside it.
 fn document(path: &Path) -> Result<Document> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?;
+    let text = plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?;
     restore(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new(".")))
 }
 
@@ -120,7 +127,7 @@ pub fn restore(place: &str, text: &str, folder: &Path) -> Result<Document> {
 
 /// The text of `document` for a file in `folder`.
 pub fn text(document: &Document, folder: &Path) -> String {
-    let whole = |p: &Path| std::path::absolute(p).unwrap_or_else(|_| p.to_path_buf());
+    let whole = plisse::io::disk::whole;
     let folder = whole(folder);
     saved::write(document, |file| {
         let file = whole(file);
@@ -148,5 +155,19 @@ pub fn usual_path(source: &Source) -> PathBuf {
     match source {
         Source::Own(_) => PathBuf::from(name),
         Source::File(path) => path.with_file_name(name),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_files_that_come_together_the_one_that_names_the_others_is_opened() {
+        let first_of = |names: &[&str]| first(&names.iter().map(PathBuf::from).collect::<Vec<_>>()).map(|p| p.display().to_string());
+        assert_eq!(first_of(&["a.obj", "s.toml", "b.obj"]).as_deref(), Some("s.toml"));
+        assert_eq!(first_of(&["s.toml", "a.obj", "X.PLISSE.JSON"]).as_deref(), Some("X.PLISSE.JSON"));
+        assert_eq!(first_of(&["a.bin", "m.gltf"]).as_deref(), Some("m.gltf"));
+        assert_eq!(first_of(&["a.bin", "t.png", "bias.json"]), None);
     }
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use egui::{Align2, ScrollArea, TextEdit, Window, vec2};
+use plisse::io::disk;
 
 use crate::open::EXTENSIONS;
 use crate::work::export::Kind;
@@ -50,7 +51,7 @@ impl Browser {
     }
 
     fn at(purpose: Purpose, path: &Path) -> Self {
-        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        let whole = disk::whole(path);
         let name = whole.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         Self::new(purpose, whole.parent().unwrap_or(Path::new("/")).to_path_buf(), name)
     }
@@ -63,11 +64,9 @@ impl Browser {
 
     fn list(&mut self) {
         let mut entries = Vec::new();
-        match std::fs::read_dir(&self.folder) {
+        match disk::list(&self.folder) {
             Ok(list) => {
-                for entry in list.flatten() {
-                    let name = entry.file_name().to_string_lossy().into_owned();
-                    let is_folder = entry.path().is_dir();
+                for (name, is_folder) in list {
                     let known = EXTENSIONS.iter().any(|e| name.to_lowercase().ends_with(&format!(".{e}")));
                     if !name.starts_with('.') && (is_folder || known) {
                         entries.push((name, is_folder));
@@ -114,6 +113,11 @@ impl Browser {
                     chosen |= response.double_clicked() && !is_folder;
                 }
             });
+            #[cfg(target_arch = "wasm32")]
+            if self.purpose == Purpose::Open && ui.button("From this computer…").on_hover_text("choose a scene with its files").clicked()
+            {
+                crate::page::choose();
+            }
             ui.horizontal(|ui| {
                 let label = ui.label("File:");
                 let field = ui.add(TextEdit::singleline(&mut self.name).desired_width(400.0)).labelled_by(label.id);
@@ -135,10 +139,10 @@ impl Browser {
         if chosen && !self.name.trim().is_empty() {
             let path = self.folder.join(self.name.trim());
             // A folder may be there: what goes into it replaces files of the same names only.
-            if self.purpose == Purpose::Open && path.is_dir() {
+            if self.purpose == Purpose::Open && self.entries.contains(&(self.name.trim().to_owned(), true)) {
                 self.name.clear();
                 self.go(path);
-            } else if self.purpose != Purpose::Open && path.is_file() && self.sure.as_ref() != Some(&path) {
+            } else if self.purpose != Purpose::Open && disk::has(&path) && self.sure.as_ref() != Some(&path) {
                 self.problem = Some(format!("{} is there already; choose {verb} again to replace it", path.display()));
                 self.sure = Some(path);
             } else {

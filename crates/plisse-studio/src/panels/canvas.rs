@@ -22,9 +22,10 @@ impl Studio {
         self.size = [(rect.width() * scale) as usize, (rect.height() * scale) as usize].map(|s| s.clamp(8, 4096));
         let [r, g, b] = plisse_live::draw::BACKGROUND;
         ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
-        if let Some(picture) = &self.picture {
+        let texture = self.sheet.as_ref().and_then(|s| s.texture).or_else(|| self.picture.as_ref().map(|p| p.id()));
+        if let Some(texture) = texture {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(picture.id(), rect, whole, Color32::WHITE);
+            ui.painter().image(texture, rect, whole, Color32::WHITE);
         } else {
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, "The first picture is on its way", FontId::proportional(16.0), INK);
         }

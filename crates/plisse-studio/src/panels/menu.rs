@@ -1,6 +1,7 @@
 //! The menu bar and the line below.
 
 use egui::{Button, MenuBar, RichText, Ui};
+use plisse::io::disk;
 
 use crate::commands::Command;
 use crate::messages::Weight;
@@ -36,8 +37,10 @@ impl Studio {
                 if ui.button("Take away…").clicked() {
                     self.tab = Tab::TakeAway;
                 }
-                ui.separator();
-                self.entry(ui, Command::Quit);
+                if !disk::IN_MEMORY {
+                    ui.separator();
+                    self.entry(ui, Command::Quit);
+                }
             });
             ui.menu_button("Edit", |ui| {
                 self.entry(ui, Command::Undo);
@@ -149,7 +152,7 @@ impl Studio {
                 self.saved_revision = 0;
                 match self.guard.keep(&self.document) {
                     Ok(()) => {
-                        let _ = std::fs::remove_file(&left.path);
+                        let _ = disk::remove(&left.path);
                         self.left.retain(|l| l != left);
                         self.messages.note(format!("recovered {}; save it", left.name));
                     }

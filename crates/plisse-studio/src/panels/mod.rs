@@ -22,10 +22,16 @@ const WIDTH: f32 = 312.0;
 impl Studio {
     /// One frame of the window.
     pub fn ui(&mut self, ui: &mut Ui) {
-        let begun = std::time::Instant::now();
+        let begun = web_time::Instant::now();
         let ctx = ui.ctx().clone();
         let now_s = ctx.input(|i| i.time);
-        for file in ctx.input(|i| i.raw.dropped_files.clone()) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+        #[cfg(target_arch = "wasm32")]
+        if !dropped.is_empty() {
+            crate::page::read_dropped(dropped);
+        }
+        #[cfg(not(target_arch = "wasm32"))]
+        for file in dropped {
             self.ask_to_open(file.path().to_path_buf());
         }
         Command::pressed(&ctx).into_iter().for_each(|c| self.run(c));

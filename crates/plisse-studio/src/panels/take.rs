@@ -76,6 +76,11 @@ impl Studio {
     /// Writes the picture as it is seen to `path`.
     pub fn take_picture(&mut self, path: &std::path::Path) {
         let Some(sheet) = &self.sheet else { return };
+        if sheet.texture.is_some() {
+            self.wanted = Some(path.to_path_buf());
+            (self.wake)();
+            return;
+        }
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_owned();
         let image = &sheet.image;
         let written = plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(std::path::Path::new("."))).and_then(|mut folder| {

@@ -1,9 +1,7 @@
-//! The thread that runs the real-time stages and draws, so that no frame of the window ever waits for it. It always works on the newest
-//! order; what the window shows is the last sheet that came back.
+//! What is ordered, what draws it ([`Bench`]: the real-time stages, then the [`Pencil`]), and the sheet that comes back. [`Easel`] is the thread on
+//! which that is done, so that no frame of the window ever waits for it; where there are no threads it is done at once.
 
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Condvar, Mutex};
-use std::time::Instant;
+use std::sync::Arc;
 
 use plisse::picture::Image;
 use plisse_live::camera::Camera;
@@ -16,12 +14,18 @@ use plisse_live::skin::{Skinned, pose, skin};
 use plisse_live::texture::Texture;
 use plisse_live::unify::Unified;
 use plisse_live::{Vec3, bake};
+use web_time::Instant;
 
 use super::corners::{Scene, faces};
 use super::marks::{Mark, crests, ellipses};
-use super::pencil::{Looks, Pencil};
+use super::pencil::{Graphics, Looks, Pencil};
 use super::{Legend, View};
 use crate::document::Subject;
+
+#[cfg(target_arch = "wasm32")]
+pub use super::at_once::Easel;
+#[cfg(not(target_arch = "wasm32"))]
+pub use super::on_a_thread::Easel;
 
 /// Frames a second at which the stages run through a clip at least.
 const RATE: f32 = 60.0;
@@ -88,6 +92,8 @@ pub struct Order {
     pub layer: Arc<Vec<[f32; 4]>>,
     /// Steps of the stages at least, for phases that have yet to settle.
     pub steps: usize,
+    /// Whether the picture's pixels have to come into memory.
+    pub to_memory: bool,
     /// Takes the GPU away first, as if it had been lost; for tests.
     pub lose_device: bool,
 }
@@ -95,8 +101,10 @@ pub struct Order {
 /// A picture that was drawn.
 #[derive(Clone)]
 pub struct Sheet {
-    /// The picture.
+    /// The picture; without pixels if it is in `texture`.
     pub image: Image,
+    /// The window's texture in which the picture is, if it stayed on the window's adapter.
+    pub texture: Option<egui::TextureId>,
     /// The camera it was drawn by.
     pub camera: Camera,
     /// Where the unified vertices are in it.
@@ -117,88 +125,6 @@ pub struct Sheet {
     pub message: Option<String>,
 }
 
-/// The window's end of the thread.
-pub struct Easel {
-    mailbox: Arc<Mailbox>,
-    sheets: Receiver<Sheet>,
-    in_flight: bool,
-}
-
-#[derive(Default)]
-struct Mailbox {
-    /// The newest order, and whether the window is gone.
-    newest: Mutex<(Option<Order>, bool)>,
-    changed: Condvar,
-}
-
-impl Easel {
-    /// Starts the thread; `gpu`: whether it may use one. `wake` is called after each sheet.
-    pub fn new(gpu: bool, wake: impl Fn() + Send + 'static) -> Self {
-        let mailbox = Arc::new(Mailbox::default());
-        let (send, sheets) = channel();
-        let theirs = Arc::clone(&mailbox);
-        crate::work::thread::spawn("easel", move || draw_all(&theirs, &send, gpu, &wake));
-        Self { mailbox, sheets, in_flight: false }
-    }
-
-    /// Asks for a picture; one that was asked for and not begun is left out.
-    pub fn order(&mut self, order: Order) {
-        if let Ok(mut newest) = self.mailbox.newest.lock() {
-            newest.0 = Some(order);
-            self.in_flight = true;
-        }
-        self.mailbox.changed.notify_one();
-    }
-
-    /// Whether a picture is on its way.
-    pub fn is_busy(&self) -> bool {
-        self.in_flight
-    }
-
-    /// The newest sheet that came since the last call.
-    pub fn take(&mut self) -> Option<Sheet> {
-        let newest = self.sheets.try_iter().last();
-        if newest.is_some() {
-            let waits = self.mailbox.newest.lock().is_ok_and(|newest| newest.0.is_some());
-            self.in_flight = waits;
-        }
-        newest
-    }
-}
-
-impl Drop for Easel {
-    fn drop(&mut self) {
-        if let Ok(mut newest) = self.mailbox.newest.lock() {
-            newest.1 = true;
-        }
-        self.mailbox.changed.notify_one();
-    }
-}
-
-fn draw_all(mailbox: &Mailbox, send: &Sender<Sheet>, gpu: bool, wake: &(impl Fn() + Send)) {
-    let mut bench = Bench::new(gpu);
-    loop {
-        let Ok(mut newest) = mailbox.newest.lock() else { return };
-        let order = loop {
-            if newest.1 {
-                return;
-            }
-            if let Some(order) = newest.0.take() {
-                break order;
-            }
-            match mailbox.changed.wait(newest) {
-                Ok(guard) => newest = guard,
-                Err(_) => return,
-            }
-        };
-        drop(newest);
-        if send.send(bench.draw(&order)).is_err() {
-            return;
-        }
-        wake();
-    }
-}
-
 /// What the thread keeps from picture to picture.
 pub struct Bench {
     pencil: Pencil,
@@ -210,8 +136,8 @@ pub struct Bench {
 
 impl Bench {
     /// Before the first picture.
-    pub fn new(gpu: bool) -> Self {
-        Self { pencil: Pencil::new(gpu), texture: None, subject: None, state: LiveState::default(), time_s: 0.0 }
+    pub fn new(graphics: Graphics) -> Self {
+        Self { pencil: Pencil::new(graphics), texture: None, subject: None, state: LiveState::default(), time_s: 0.0 }
     }
 
     /// Draws one picture.
@@ -298,10 +224,11 @@ impl Bench {
         let list = fine.filter(|_| order.view == View::Wrinkled).unwrap_or(&made);
         let looks = Looks { profile: &order.profile, parallax: order.parallax, colour: order.colour };
         let begun = Instant::now();
-        let image = self.pencil.draw(list, scale, &looks, &order.camera, order.size);
+        let drawn = self.pencil.draw(list, scale, &looks, &order.camera, (order.size, order.to_memory));
         let stage_ms = [ms[0], ms[1], ms[2], ms[3], milliseconds(begun)];
         Sheet {
-            image,
+            image: drawn.image,
+            texture: drawn.texture,
             camera: order.camera,
             posed,
             state: None,

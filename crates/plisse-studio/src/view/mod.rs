@@ -1,14 +1,19 @@
 //! What is seen: the camera ([`turntable`]), what faces carry in each view ([`corners`], [`colours`]), lines over them ([`marks`]), and the
 //! thread that draws ([`easel`]).
 
+#[cfg(target_arch = "wasm32")]
+mod at_once;
 pub mod colours;
 pub mod corners;
 pub mod easel;
 pub mod marks;
+#[cfg(not(target_arch = "wasm32"))]
+mod on_a_thread;
 pub mod pencil;
 pub mod turntable;
 
 pub use easel::{Easel, Order, Sheet, Shown, Solid};
+pub use pencil::Graphics;
 pub use turntable::Turntable;
 
 use crate::document::Layer;

@@ -2,7 +2,7 @@
 //! comes from the processor's memory.
 
 use plisse::picture::Image;
-use plisse_gpu::{Faces, Gpu, Painter};
+use plisse_gpu::{Average, Faces, Gpu, Painter, wgpu};
 use plisse_live::camera::Camera;
 use plisse_live::draw::{self, Look, SAMPLES};
 use plisse_live::render::Corner;
@@ -12,6 +12,34 @@ use super::colours::Scale;
 
 /// What the twins are called where a device's name stands.
 pub const TWINS: &str = "no GPU: drawn by the processor";
+
+/// Shows a texture of the window's adapter in the window, in place of the one that was shown there before.
+pub type Hang = std::sync::Arc<dyn Fn(&wgpu::TextureView, Option<egui::TextureId>) -> egui::TextureId + Send + Sync>;
+
+/// What may draw.
+pub enum Graphics {
+    /// The processor alone.
+    Processor,
+    /// An adapter of the pencil's own, where there is one; pictures come back into memory.
+    Own,
+    /// The window's; pictures stay on it. So it is in browsers, which let nobody wait for a picture.
+    Window(Gpu, Hang),
+}
+
+impl Graphics {
+    /// An adapter of the pencil's own if `gpu`.
+    pub fn own(gpu: bool) -> Self {
+        if gpu { Self::Own } else { Self::Processor }
+    }
+}
+
+/// A picture: in memory, or, without pixels, in a texture of the window.
+pub struct Drawn {
+    /// Its size, and its pixels if they are in memory.
+    pub image: Image,
+    /// The texture.
+    pub texture: Option<egui::TextureId>,
+}
 
 /// What draws.
 pub struct Pencil {
@@ -25,18 +53,23 @@ pub struct Pencil {
 struct Device {
     gpu: Gpu,
     faces: Option<Faces>,
-    /// For the last two sizes of pictures.
-    painters: Vec<([usize; 2], Painter)>,
+    /// For the last two sizes of pictures, with what keeps them on the adapter.
+    painters: Vec<([usize; 2], Painter, Option<Average>)>,
+    /// Where pictures stay on the adapter: how they come into the window, and as which of its textures.
+    window: Option<(Hang, Option<egui::TextureId>)>,
 }
 
 impl Pencil {
-    /// On the GPU if `gpu` and there is one.
-    pub fn new(gpu: bool) -> Self {
-        let found = gpu.then(Gpu::new);
-        let (device, message) = match found {
-            Some(Ok(gpu)) => (Some(Device { gpu, faces: None, painters: Vec::new() }), None),
-            Some(Err(error)) => (None, Some(format!("{error}; drawn by the processor"))),
-            None => (None, None),
+    /// By `graphics`, else by the processor.
+    pub fn new(graphics: Graphics) -> Self {
+        let device = |gpu, window| Device { gpu, faces: None, painters: Vec::new(), window };
+        let (device, message) = match graphics {
+            Graphics::Processor => (None, None),
+            Graphics::Own => match Gpu::new() {
+                Ok(gpu) => (Some(device(gpu, None)), None),
+                Err(error) => (None, Some(format!("{error}; drawn by the processor"))),
+            },
+            Graphics::Window(gpu, hang) => (Some(device(gpu, Some((hang, None)))), None),
         };
         let mut pencil = Self { device, textures: Vec::new(), message };
         pencil.set_base(&Texture::checked());
@@ -68,17 +101,25 @@ impl Pencil {
         }
     }
 
-    /// Draws `faces` with the colours of `scale` on `size` (width, height) pixels.
-    pub fn draw(&mut self, faces: &[[Corner; 3]], scale: Scale, look: &Looks<'_>, camera: &Camera, size: [usize; 2]) -> Image {
+    /// Draws `faces` with the colours of `scale` on `size` (width, height) pixels; `to_memory`: whether the pixels have to come back.
+    pub fn draw(
+        &mut self,
+        faces: &[[Corner; 3]],
+        scale: Scale,
+        look: &Looks<'_>,
+        camera: &Camera,
+        (size, to_memory): ([usize; 2], bool),
+    ) -> Drawn {
         let texture = Scale::ALL.iter().position(|s| *s == scale).unwrap_or(0);
         let plain = scale != Scale::Base;
         let parallax = look.parallax && !plain;
         // As bright as the legend, in the light that falls on it.
         let colour = if plain { plisse_live::Vec3::repeat(1.2) } else { look.colour };
         let look = Look { profile: look.profile, texture: &self.textures[texture], colour, parallax };
-        if let Some(device) = &mut self.device {
+        // What stays on the adapter cannot be had from there at once: the twin draws it too.
+        if let Some(device) = self.device.as_mut().filter(|d| !to_memory || d.window.is_none()) {
             match device.draw(&self.textures, faces, texture, &look, camera, size) {
-                Ok(image) => return image,
+                Ok(drawn) => return drawn,
                 Err(error) => {
                     self.message = Some(format!("{error}. The picture is drawn by the processor from now on; nothing of the work is lost"));
                     self.device = None;
@@ -86,7 +127,7 @@ impl Pencil {
             }
         }
         let texture = &self.textures[texture];
-        draw::draw(faces, &Look { texture, ..look }, camera, size).image
+        Drawn { image: draw::draw(faces, &Look { texture, ..look }, camera, size).image, texture: None }
     }
 }
 
@@ -110,21 +151,26 @@ impl Device {
         look: &Look<'_>,
         camera: &Camera,
         size: [usize; 2],
-    ) -> plisse::Result<Image> {
+    ) -> plisse::Result<Drawn> {
         match &mut self.faces {
             Some(there) => there.set(&self.gpu, faces)?,
             None => self.faces = Some(Faces::new(&self.gpu, faces)?),
         }
-        if !self.painters.iter().any(|(s, _)| *s == size) {
+        if !self.painters.iter().any(|p| p.0 == size) {
             let textures: Vec<&Texture> = textures.iter().collect();
             let painter = Painter::new(&self.gpu, size, SAMPLES, &textures)?;
             self.painters.truncate(1);
-            self.painters.insert(0, (size, painter));
+            let average = self.window.is_some().then(|| Average::new(&self.gpu, &painter));
+            self.painters.insert(0, (size, painter, average));
         }
-        let Some((_, painter)) = self.painters.iter().find(|(s, _)| *s == size) else { return Err(lost()) };
+        let Some((_, painter, average)) = self.painters.iter().find(|p| p.0 == size) else { return Err(lost()) };
         let Some(faces) = &self.faces else { return Err(lost()) };
         painter.draw_faces(&self.gpu, faces, texture, camera, look)?;
-        Ok(painter.read(&self.gpu)?.image)
+        if let (Some(average), Some((hang, texture))) = (average, &mut self.window) {
+            *texture = Some(hang(average.picture(&self.gpu), *texture));
+            return Ok(Drawn { image: Image { width: size[0], height: size[1], pixels: Vec::new() }, texture: *texture });
+        }
+        Ok(Drawn { image: painter.read(&self.gpu)?.image, texture: None })
     }
 }
 

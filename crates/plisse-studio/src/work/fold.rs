@@ -12,6 +12,7 @@ use plisse::growth::sculpt::{Change, Painted, SculptOptions, Sculpture};
 use plisse::growth::{Expansion, GrowthOptions, GrowthReport, StepReport};
 use plisse::mesh::Vec3;
 use plisse::progress::{Observer, Step};
+use web_time::Instant;
 
 use super::grow::{self, Grown, Numbers};
 use super::thread::spawn;
@@ -213,7 +214,7 @@ impl Follower {
     /// # Errors
     /// As [`Sculpture::paint`] and [`Sculpture::settle`]; the surface then is as it was.
     pub fn follow(&mut self, wanted: Option<Wanted>, observer: &dyn Observer) -> Result<Folded> {
-        let begun = std::time::Instant::now();
+        let begun = Instant::now();
         let mut step = None;
         if let Some(wanted) = wanted {
             self.take_back(wanted.strokes);

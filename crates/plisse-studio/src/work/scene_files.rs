@@ -23,7 +23,7 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
     let (text, named) = portable(&scene.text, scene.scene.file.parent().unwrap_or(Path::new(".")))?;
     let mut out = OutputFolder::create(folder)?;
     for (name, from) in &named {
-        let bytes = std::fs::read(from).map_err(|e| Error::reading(from, e))?;
+        let bytes = plisse::io::disk::read(from).map_err(|e| Error::reading(from, e))?;
         out.write(name, |file| file.write_all(&bytes))?;
     }
     out.write("scene.toml", |file| file.write_all(text.as_bytes()))?;

@@ -1,6 +1,6 @@
-//! Threads, where there are any. In a web page there are none yet: work is done at once, where it is asked for.
+//! Threads, where there are any. In a web page there are none: work is done in the page, which stands still meanwhile.
 
-/// Runs `work` on a thread called `name`; here and now where there are no threads, or none can be had.
+/// Runs `work` on a thread called `name`; here and now if none can be had.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     let work = std::sync::Arc::new(std::sync::Mutex::new(Some(work)));
@@ -20,8 +20,8 @@ pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     }
 }
 
-/// Runs `work` here and now.
+/// Runs `work` in the page, once it has shown that it will.
 #[cfg(target_arch = "wasm32")]
 pub fn spawn(_name: &str, work: impl FnOnce() + 'static) {
-    work();
+    crate::page::later(work);
 }

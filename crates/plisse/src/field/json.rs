@@ -55,7 +55,7 @@ struct FieldText {
 /// # Errors
 /// [`Error::File`] if it cannot be read; [`Error::Mesh`] naming the file if it is no such JSON, or of another mesh.
 pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
-    let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
+    let bytes = crate::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::mesh(path.display().to_string(), message);
     let file: FieldText =
         serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no field file ({e}); write it again with solve")))?;

@@ -1,6 +1,6 @@
 //! From strain to wrinkles: the whole field solve.
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::WrinkleField;
 use super::closed_forms::ClosedForms;

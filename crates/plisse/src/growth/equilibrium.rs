@@ -10,7 +10,7 @@
 //! decides; later it only grows. The grip of the foundation on sliding keeps folds from gathering in one place: on a foundation that
 //! resists offset only, a row of folds is unstable against a single large one (Diamant & Witten 2011).
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::expansion::scale_edges;
 use super::growing::Growing;

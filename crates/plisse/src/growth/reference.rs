@@ -18,7 +18,7 @@
 //! q² = (1 − k_κ/k_pC_a)/2ν. So folds begin √2·λ apart or more, not λ, and the shape is at rest where κ* = 0 only if nothing else acts.
 
 use std::f64::consts::TAU;
-use std::time::Instant;
+use web_time::Instant;
 
 use super::expansion::vertex_normals;
 use super::growing::Growing;

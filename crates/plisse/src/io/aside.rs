@@ -52,9 +52,7 @@ impl OutputFolder {
     /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with [`io::ErrorKind::InvalidData`] (what was to
     /// be written is at fault, not the disk); else [`Error::File`]. The file does not wait then; others still do.
     pub fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-        if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', '\0']) {
-            return Err(Error::value("output name", format!("'{name}' is not a plain file name; give one without folders or leading dot")));
-        }
+        super::disk::check_name(name)?;
         self.waiting.retain(|n| n != name);
         let part = self.part(name);
         let attempt = self.remove_dead_parts(name).and_then(|()| {

@@ -18,7 +18,7 @@ use crate::{Error, Result};
 /// vertex index, an index that is not below `vertex_count`, a wrong number of columns, a coordinate that is neither a finite
 /// number nor `#`, and a published list whose first line does not say how many follow.
 pub fn read_clamped_vertices(path: &Path, vertex_count: usize) -> Result<Vec<usize>> {
-    let text = std::fs::read_to_string(path).map_err(|source| Error::reading(path, source))?;
+    let text = super::disk::read_text(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text, vertex_count)
 }
 

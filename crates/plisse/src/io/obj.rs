@@ -48,7 +48,7 @@ pub struct PolygonCut {
 /// [`Error::File`] if it cannot be read; [`Error::Parse`] as told at [`parse`], and for a file that is not UTF-8 text
 /// (other encodings are let pass in comments and names).
 pub fn read(path: &Path) -> Result<Obj> {
-    let bytes = std::fs::read(path).map_err(|source| Error::reading(path, source))?;
+    let bytes = super::disk::read(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text_of(path, bytes)?)
 }
 
@@ -58,7 +58,7 @@ pub fn read(path: &Path) -> Result<Obj> {
 /// # Errors
 /// As [`read`]; also [`Error::Parse`] where a face has another number of corners than its counterpart.
 pub fn read_pose(path: &Path, rest: &Obj) -> Result<Obj> {
-    let bytes = std::fs::read(path).map_err(|source| Error::reading(path, source))?;
+    let bytes = super::disk::read(path).map_err(|source| Error::reading(path, source))?;
     parse_with(path, &text_of(path, bytes)?, Some(&rest.cuts))
 }
 

@@ -32,7 +32,7 @@ pub struct PlyMesh {
 /// # Errors
 /// [`Error::File`] if it cannot be read; as [`parse`].
 pub fn read(path: &Path) -> Result<PlyMesh> {
-    let bytes = std::fs::read(path).map_err(|source| Error::reading(path, source))?;
+    let bytes = super::disk::read(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &bytes)
 }
 

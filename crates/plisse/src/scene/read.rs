@@ -33,7 +33,7 @@ const REQUIRED: [(&str, &[&str]); 18] = [
 /// [`Error::File`] if the file cannot be read; the errors of [`parse`].
 pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|source| Error::reading(path, source))?;
+    let text = crate::io::disk::read_text(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text)
 }
 

@@ -1,6 +1,6 @@
 //! The base solve: the pose of least tension-field and bending energy under clamps, loads and contact (4.1 of [Chen 2021]).
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::equilibrium::{Bending, Equilibrium};
 use super::quadratic_bending::QuadraticBending;

@@ -1,7 +1,7 @@
 //! The reference shell: St. Venant–Kirchhoff membrane and mid-edge bending by full Newton (appendix A and section 6 of [Chen 2021]).
 //! It shows wrinkles only where the mesh is fine enough for them; the wrinkle field is held against it.
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::base::{Effort, settle};
 use super::equilibrium::Bending;

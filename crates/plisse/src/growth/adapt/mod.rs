@@ -8,7 +8,7 @@ mod surface;
 
 pub use surface::Surface;
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::equilibrium::{GrowthOptions, GrowthReport, StepReport, choosing_part};
 use super::growing::Growing;

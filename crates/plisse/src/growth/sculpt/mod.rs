@@ -15,7 +15,7 @@ mod region;
 pub use change::Change;
 pub use dab::{Dab, Paint, Spot};
 
-use std::time::Instant;
+use web_time::Instant;
 
 use super::equilibrium::{GrowthOptions, StepReport};
 use super::expansion::{Expansion, Growth, vertex_normals};

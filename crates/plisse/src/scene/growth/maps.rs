@@ -79,7 +79,7 @@ fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> V
 /// `[V]` values (0 to 1) of the first channel of a PNG file, through the texture coordinates; the mean where a seam meets.
 fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
     let field = format!("{place}.file");
-    let bytes = std::fs::read(path).map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
+    let bytes = crate::io::disk::read(path).map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
     let image = Grey::new(&bytes)
         .map_err(|what| Error::value(&field, format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display())))?;
     let (coordinates, corners) = match &laid.texture {
