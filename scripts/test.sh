@@ -40,16 +40,15 @@ cargo fmt --all -- --check
 say "lints"
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
-# The studio's are in scripts/test-studio.sh: building a window takes long.
 say "tests"
 if cargo nextest --version >/dev/null 2>&1; then
-  cargo nextest run --workspace --exclude plisse-studio --locked
+  cargo nextest run --workspace --locked
 else
-  cargo test --workspace --exclude plisse-studio --locked --lib --bins --tests
+  cargo test --workspace --locked --lib --bins --tests
 fi
 
 say "docs"
-cargo test --workspace --exclude plisse-studio --locked --doc
+cargo test --workspace --locked --doc
 RUSTDOCFLAGS="-D warnings" cargo doc --workspace --locked --no-deps --quiet
 
 say "the first example, as the README has it"
