@@ -371,6 +371,11 @@ impl Problem for Film<'_> {
         vec![f64::NEG_INFINITY; self.size]
     }
 
+    fn groups(&self) -> Option<Vec<usize>> {
+        let free = |(v, unknown): (usize, &[usize; 3])| unknown.iter().filter(|u| **u != NONE).map(move |_| v).collect::<Vec<_>>();
+        Some(self.unknown.iter().enumerate().flat_map(free).collect())
+    }
+
     fn energy(&mut self, x: &[f64]) -> f64 {
         self.take(x);
         self.look();

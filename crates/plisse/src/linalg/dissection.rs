@@ -82,8 +82,14 @@ impl Graph {
     }
 }
 
-/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
-fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
+/// The same fill as in `order` of `pattern`, but every subtree of the elimination tree in one piece.
+pub(super) fn in_pieces(pattern: &SymmetricPattern, order: &[usize]) -> Vec<usize> {
+    let (first, neighbours) = couplings(pattern);
+    postorder(&Graph { first, neighbours, weights: vec![1; order.len()] }, order)
+}
+
+/// All unknowns that each one is coupled with, itself too, ascending; and where its list begins.
+fn couplings(pattern: &SymmetricPattern) -> (Vec<usize>, Vec<usize>) {
     let n = pattern.size();
     let mut first = vec![0; n + 1];
     let entries = || {
@@ -96,7 +102,6 @@ fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
     for i in 0..n {
         first[i + 1] += first[i];
     }
-    // Each list ascends and holds its own unknown.
     let (mut lists, mut end) = (vec![0; first[n]], first.clone());
     for (row, column) in entries() {
         lists[end[row]] = column;
@@ -106,6 +111,13 @@ fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
             end[column] += 1;
         }
     }
+    (first, lists)
+}
+
+/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
+fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
+    let n = pattern.size();
+    let (first, lists) = couplings(pattern);
     let list = |i: usize| &lists[first[i]..first[i + 1]];
     let (mut node_of, mut members) = (vec![usize::MAX; n], Vec::<Vec<usize>>::new());
     for i in 0..n {

@@ -46,6 +46,11 @@ pub trait Problem {
     fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
         None
     }
+    /// `[n]` a number for each unknown, the same for those that are better eliminated together (the coordinates of a vertex); `None` if that
+    /// is not known.
+    fn groups(&self) -> Option<Vec<usize>> {
+        None
+    }
     /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]);
 }
@@ -112,7 +117,8 @@ pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
 pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, observer: &dyn Observer) -> Result<Outcome> {
     let n = start.len();
     let lower = problem.lower_bounds();
-    let mut cholesky = Cholesky::for_many(problem.pattern())?;
+    let groups = problem.groups();
+    let mut cholesky = Cholesky::for_many(problem.pattern(), groups.as_deref())?;
     let diagonal_of = |pattern: &SymmetricPattern| -> Vec<usize> { (0..n).map(|i| pattern.slot(i, i)).collect() };
     let mut diagonal = diagonal_of(cholesky.pattern());
     let mut values = vec![0.0; cholesky.pattern().entry_count()];
@@ -146,7 +152,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         if let Some(pattern) = problem.changed_pattern() {
             diagonal = diagonal_of(&pattern);
             values.resize(pattern.entry_count(), 0.0);
-            cholesky = Cholesky::for_many(pattern)?;
+            cholesky = cholesky.again(pattern, groups.as_deref())?;
         }
         // Bertsekas' ε: unknowns this near to their bound count as at it.
         let near = residual.min(1e-3);

@@ -11,6 +11,8 @@
 mod advance;
 mod near;
 
+use std::ops::Range;
+
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
@@ -118,7 +120,7 @@ impl<'a> SelfContact<'a> {
             self.listed.par_iter().with_min_len(CHUNK).filter_map(way).collect()
         } else {
             let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-            self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)), |pair| way(&pair))
+            self.pairs_in_boxes(|part| self.bounds(part, pose).merged(&self.bounds(part, &end)), |pair| way(&pair))
         };
         self.candidates.clear();
         self.candidates.extend(ways.iter().map(|(pair, _)| *pair));
@@ -129,7 +131,7 @@ impl<'a> SelfContact<'a> {
     fn list(&mut self, pose: &[Vec3]) {
         let skin = SKIN * self.longest_m;
         let near = |pair: Pair| self.near(&pair, pose, skin).then_some(pair);
-        self.listed = self.pairs_in_boxes(|f| self.bounds(f, pose).loosened(0.5 * skin), near);
+        self.listed = self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(0.5 * skin), near);
         self.listed_at = pose.to_vec();
     }
 
@@ -142,51 +144,59 @@ impl<'a> SelfContact<'a> {
         distance < AHEAD * self.thickness_m + skin && distance < AHEAD * self.thickness_m(pair) + skin
     }
 
-    fn bounds(&self, f: usize, pose: &[Vec3]) -> Aabb {
-        let [a, b, c] = self.topology.faces[f].map(|v| Vector::new(pose[v].x, pose[v].y, pose[v].z));
-        // Half the reach on each of two faces.
+    /// The box of the vertices `part` at `pose` (`[V]`, m), and half the reach on each of two parts.
+    fn bounds(&self, part: &[usize], pose: &[Vec3]) -> Aabb {
         let half = Vector::splat(0.5 * AHEAD * self.thickness_m);
-        Aabb::new(a.min(b).min(c) - half, a.max(b).max(c) + half)
+        let place = |v: usize| Vector::new(pose[v].x, pose[v].y, pose[v].z);
+        let first = place(part[0]);
+        let ends = part[1..].iter().fold([first, first], |[low, high], &v| [low.min(place(v)), high.max(place(v))]);
+        Aabb::new(ends[0] - half, ends[1] + half)
     }
 
-    /// What `keep` makes of all pairs whose faces' boxes meet, each once, in a fixed order.
+    /// What `keep` makes of all pairs whose boxes meet, each once, in a fixed order.
     fn pairs_in_boxes<T: Send>(
         &self,
-        bounds: impl Fn(usize) -> Aabb + Sync + Send,
+        bounds: impl Fn(&[usize]) -> Aabb + Sync + Send,
         keep: impl Fn(Pair) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
-        let count = self.topology.face_count();
-        let boxes: Vec<Aabb> = (0..count).into_par_iter().with_min_len(CHUNK).map(bounds).collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        let of_face = |f: usize| -> Vec<T> {
-            let mut others: Vec<usize> = tree.intersect_aabb(&boxes[f]).map(|g| g as usize).filter(|&g| g > f).collect();
-            others.sort_unstable();
-            let mut kept = Vec::new();
-            others.into_iter().for_each(|g| self.pairs_of_faces(f, g, &mut |pair| kept.extend(keep(pair))));
-            kept
-        };
-        (0..count).into_par_iter().with_min_len(CHUNK).flat_map_iter(of_face).collect()
-    }
-
-    /// The pairs for which the faces `f` and `g` speak.
-    fn pairs_of_faces(&self, f: usize, g: usize, visit: &mut impl FnMut(Pair)) {
-        let faces = &self.topology.faces;
-        for (from, to) in [(f, g), (g, f)] {
-            let [a, b, c] = faces[to];
-            for v in faces[from].into_iter().filter(|&v| self.speaker[v] == from && v != a && v != b && v != c) {
-                visit(Pair::VertexFace([v, a, b, c]));
-            }
-        }
-        let own = |f: usize| self.topology.face_edges[f].into_iter().filter(move |&e| self.topology.edge_faces[e][0] == f);
-        for first in own(f) {
-            let [a, b] = self.topology.edges[first];
-            for second in own(g) {
-                let [c, d] = self.topology.edges[second];
-                if a != c && a != d && b != c && b != d {
-                    visit(Pair::Edges([a, b, c, d]));
+        let topology = self.topology;
+        let faces: Vec<Aabb> = topology.faces.par_iter().with_min_len(CHUNK).map(|face| bounds(face)).collect();
+        let edges: Vec<Aabb> = topology.edges.par_iter().with_min_len(CHUNK).map(|edge| bounds(edge)).collect();
+        let vertices: Vec<Aabb> = (0..self.start.len()).into_par_iter().with_min_len(CHUNK).map(|v| bounds(&[v])).collect();
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &faces);
+        let of_faces = |range: Range<usize>| -> Vec<T> {
+            let (mut others, mut kept) = (Vec::new(), Vec::new());
+            for f in range {
+                others.clear();
+                others.extend(tree.intersect_aabb(&faces[f]).map(|g| g as usize).filter(|&g| g > f));
+                others.sort_unstable();
+                for &g in &others {
+                    for (from, to) in [(f, g), (g, f)] {
+                        let [a, b, c] = topology.faces[to];
+                        for v in topology.faces[from] {
+                            if self.speaker[v] == from && v != a && v != b && v != c && vertices[v].intersects(&faces[to]) {
+                                kept.extend(keep(Pair::VertexFace([v, a, b, c])));
+                            }
+                        }
+                    }
+                    let own = |f: usize| topology.face_edges[f].into_iter().filter(move |&e| topology.edge_faces[e][0] == f);
+                    for first in own(f).filter(|&e| edges[e].intersects(&faces[g])) {
+                        let [a, b] = topology.edges[first];
+                        for second in own(g).filter(|&e| edges[e].intersects(&edges[first])) {
+                            let [c, d] = topology.edges[second];
+                            if a != c && a != d && b != c && b != d {
+                                kept.extend(keep(Pair::Edges([a, b, c, d])));
+                            }
+                        }
+                    }
                 }
             }
-        }
+            kept
+        };
+        let count = topology.face_count();
+        let parts: Vec<Vec<T>> =
+            (0..count.div_ceil(CHUNK)).into_par_iter().map(|c| of_faces(c * CHUNK..count.min((c + 1) * CHUNK))).collect();
+        parts.into_iter().flatten().collect()
     }
 
     /// Thickness (m) of a pair; none if the starting surface leaves none.
