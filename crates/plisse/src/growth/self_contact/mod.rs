@@ -31,6 +31,8 @@ const PARALLEL: f64 = 1e-3;
 const AHEAD: f64 = 1.5;
 /// How much farther, as a share of the longest move, pairs are listed, so that small moves need no new list.
 const SKIN: f64 = 0.1;
+/// A new list is made where more than one in so many faces moves farther than the list foresaw.
+const FEW: usize = 8;
 
 /// Gradient (N) and a positive semidefinite part of the Hessian (N/m) of one pair: `bend`·slope·slopeᵀ.
 #[derive(Clone, Debug)]
@@ -60,8 +62,9 @@ pub(super) struct SelfContact<'a> {
     speaker: Vec<usize>,
     /// All pairs that can be within the thickness where the surface is now and may step to.
     candidates: Vec<Pair>,
-    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was when they were listed.
-    listed: Vec<Pair>,
+    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was when they were listed, and how far (m) the
+    /// two were apart then.
+    listed: Vec<(Pair, f64)>,
     listed_at: Vec<Vec3>,
 }
 
@@ -90,48 +93,80 @@ impl<'a> SelfContact<'a> {
     /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
     pub(super) fn look(&mut self, pose: &[Vec3]) {
         self.list(pose);
-        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter(|pair| self.near(pair, pose, 0.0)).copied().collect();
+        let near = |(pair, distance): &(Pair, f64)| self.ahead(pair, *distance, 0.0).then_some(*pair);
+        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter_map(near).collect();
     }
 
     /// The longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves` (`[V]`, m) that may be made; from then on, energies anywhere on
     /// that way are true.
+    ///
+    /// Where no vertex goes farther than the list foresaw, pairs are those listed; around the others they are looked for.
     pub(super) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
         let most = moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         let part = if most > self.longest_m { self.longest_m / most } else { 1.0 };
-        let skin = SKIN * self.longest_m;
-        let within = |pose: &[Vec3], listed: &[Vec3]| {
-            let from = |v: usize| (pose[v] - listed[v]).norm().max((pose[v] + moves[v] * part - listed[v]).norm());
-            listed.len() == pose.len() && (0..pose.len()).all(|v| from(v) <= 0.5 * skin)
-        };
-        let listed = within(pose, &self.listed_at) || {
-            let small = most * part <= 0.5 * skin;
-            if small {
+        let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
+        let mut gone = self.gone(pose, &end);
+        if FEW * self.fast(&gone) > self.topology.face_count() {
+            let still: Vec<f64> = pose.iter().zip(&end).map(|(p, q)| (p - q).norm()).collect();
+            if FEW * self.fast(&still) <= self.topology.face_count() {
                 self.list(pose);
+                gone = still;
             }
-            small
-        };
+        }
+        let room = self.room();
         let way = |pair: &Pair| {
             let vertices = pair.vertices();
             let way = advance(pair, vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
             let soon = way.part < 1.0 || self.ahead(pair, way.least_distance, 0.0);
             soon.then_some((*pair, way.part))
         };
-        let ways: Vec<(Pair, f64)> = if listed {
-            self.listed.par_iter().with_min_len(CHUNK).filter_map(way).collect()
-        } else {
-            let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-            self.pairs_in_boxes(|part| self.bounds(part, pose).merged(&self.bounds(part, &end)), |pair| way(&pair))
+        let of_listed = |(pair, distance): &(Pair, f64)| {
+            let foreseen = pair.vertices().iter().all(|&v| gone[v] <= room);
+            let stays_off = || distance - pair.most_nearer(&gone) >= AHEAD * self.thickness_m;
+            if foreseen && !stays_off() { way(pair) } else { None }
         };
+        let mut ways: Vec<(Pair, f64)> = self.listed.par_iter().with_min_len(CHUNK).filter_map(of_listed).collect();
+        if gone.iter().any(|&gone| gone > room) {
+            let fast = |pair: &Pair| pair.vertices().iter().any(|&v| gone[v] > room);
+            ways.extend(self.pairs_in_boxes(
+                |part| self.bounds(part, pose).merged(&self.bounds(part, &end)),
+                |f| self.topology.faces[f].iter().any(|&v| gone[v] > room),
+                |pair| if fast(&pair) { way(&pair) } else { None },
+            ));
+        }
         self.candidates.clear();
         self.candidates.extend(ways.iter().map(|(pair, _)| *pair));
         part * ways.iter().map(|(_, part)| *part).fold(1.0, f64::min)
     }
 
+    /// How far (m) a vertex may go from where it was when pairs were listed.
+    fn room(&self) -> f64 {
+        0.5 * SKIN * self.longest_m
+    }
+
+    /// `[V]` how far (m) each vertex is from where it was when pairs were listed, at most on a straight way.
+    fn gone(&self, pose: &[Vec3], end: &[Vec3]) -> Vec<f64> {
+        if self.listed_at.len() != pose.len() {
+            return vec![f64::INFINITY; pose.len()];
+        }
+        let from = |v: usize| (pose[v] - self.listed_at[v]).norm().max((end[v] - self.listed_at[v]).norm());
+        (0..pose.len()).map(from).collect()
+    }
+
+    /// How many faces have a vertex that goes farther than was foreseen.
+    fn fast(&self, gone: &[f64]) -> usize {
+        let room = self.room();
+        self.topology.faces.iter().filter(|face| face.iter().any(|&v| gone[v] > room)).count()
+    }
+
     /// Lists what can be near while nothing moves far from `pose` (`[V]`, m).
     fn list(&mut self, pose: &[Vec3]) {
-        let skin = SKIN * self.longest_m;
-        let near = |pair: Pair| self.near(&pair, pose, skin).then_some(pair);
-        self.listed = self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(0.5 * skin), near);
+        let room = self.room();
+        let near = |pair: Pair| {
+            let distance = pair.near(pair.vertices().map(|v| pose[v])).distance;
+            self.ahead(&pair, distance, 2.0 * room).then_some((pair, distance))
+        };
+        self.listed = self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(room), |_| true, near);
         self.listed_at = pose.to_vec();
     }
 
@@ -153,10 +188,11 @@ impl<'a> SelfContact<'a> {
         Aabb::new(ends[0] - half, ends[1] + half)
     }
 
-    /// What `keep` makes of all pairs whose boxes meet, each once, in a fixed order.
+    /// What `keep` makes of all pairs whose boxes meet and of which one is on an `asked` face, each once, in a fixed order.
     fn pairs_in_boxes<T: Send>(
         &self,
         bounds: impl Fn(&[usize]) -> Aabb + Sync + Send,
+        asked: impl Fn(usize) -> bool + Sync + Send,
         keep: impl Fn(Pair) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
         let topology = self.topology;
@@ -166,9 +202,9 @@ impl<'a> SelfContact<'a> {
         let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &faces);
         let of_faces = |range: Range<usize>| -> Vec<T> {
             let (mut others, mut kept) = (Vec::new(), Vec::new());
-            for f in range {
+            for f in range.filter(|&f| asked(f)) {
                 others.clear();
-                others.extend(tree.intersect_aabb(&faces[f]).map(|g| g as usize).filter(|&g| g > f));
+                others.extend(tree.intersect_aabb(&faces[f]).map(|g| g as usize).filter(|&g| g > f || !asked(g)));
                 others.sort_unstable();
                 for &g in &others {
                     for (from, to) in [(f, g), (g, f)] {
