@@ -313,6 +313,13 @@ impl<P: Problem> Problem for Banded<P> {
         vec![f64::NEG_INFINITY; self.size()]
     }
 
+    fn groups(&self) -> Option<Vec<usize>> {
+        let inner = self.inner.groups()?;
+        let first = inner.iter().max().map_or(0, |most| most + 1);
+        let free = self.free.iter().zip(&inner).filter(|(u, _)| **u != NONE).map(|(_, group)| *group);
+        Some(free.chain((0..self.bodies.len()).flat_map(|b| [first + b; UNKNOWNS])).collect())
+    }
+
     fn energy(&mut self, y: &[f64]) -> f64 {
         self.take(y);
         self.inner.energy(&self.inner_x) + self.rigidity(y)

@@ -131,7 +131,7 @@ impl<'a> Film<'a> {
             .flat_map(|row| (0..3).map(|axis| free(row.iter().map(move |&(v, _)| (v, axis)).map(|(v, a)| unknown[v][a]))));
         let lists: Vec<Vec<usize>> = faces.chain(rows).collect();
         let pattern = SymmetricPattern::from_elements(size, lists.iter().map(Vec::as_slice));
-        let slots = topology.faces.iter().map(|face| face_slots(&pattern, face.map(|v| unknown[v]).as_flattened())).collect();
+        let slots = topology.faces.iter().map(|face| face_slots(&pattern, face.map(|v| unknown[v]))).collect();
         let held = |v: usize| Vec3::from_fn(|axis, _| setup.clamps.targets[v][axis].unwrap_or(start[v][axis]));
         let pose: Vec<Vec3> = (0..start.len()).map(held).collect();
         let mut film = Self {
@@ -371,6 +371,11 @@ impl Problem for Film<'_> {
         vec![f64::NEG_INFINITY; self.size]
     }
 
+    fn groups(&self) -> Option<Vec<usize>> {
+        let free = |(v, unknown): (usize, &[usize; 3])| unknown.iter().filter(|u| **u != NONE).map(move |_| v).collect::<Vec<_>>();
+        Some(self.unknown.iter().enumerate().flat_map(free).collect())
+    }
+
     fn energy(&mut self, x: &[f64]) -> f64 {
         self.take(x);
         self.look();
@@ -483,14 +488,26 @@ fn free(unknowns: impl Iterator<Item = usize>) -> Vec<usize> {
     unknowns.filter(|&u| u != NONE).collect()
 }
 
-fn face_slots(pattern: &SymmetricPattern, unknowns: &[usize]) -> [u32; 45] {
+fn face_slots(pattern: &SymmetricPattern, unknowns: [[usize; 3]; 3]) -> [u32; 45] {
+    // Unknowns of a vertex follow each other, and a face couples all of its own: so do their rows in a column.
+    let mut blocks = [[u32::MAX; 9]; 9];
+    for (p, first) in unknowns.iter().enumerate() {
+        for (q, second) in unknowns.iter().enumerate() {
+            for (m, &column) in first.iter().enumerate().filter(|(_, column)| **column != NONE) {
+                let mut slot = None;
+                for (n, &row) in second.iter().enumerate().filter(|(_, row)| **row != NONE && **row >= column) {
+                    let here = slot.map_or_else(|| pattern.slot(column, row), |before: usize| before + 1);
+                    blocks[3 * p + m][3 * q + n] = here as u32;
+                    slot = Some(here);
+                }
+            }
+        }
+    }
     let mut slots = [u32::MAX; 45];
     let mut n = 0;
-    for (k, &i) in unknowns.iter().enumerate() {
-        for &j in &unknowns[..=k] {
-            if i != NONE && j != NONE {
-                slots[n] = pattern.slot(i, j) as u32;
-            }
+    for k in 0..9 {
+        for l in 0..=k {
+            slots[n] = blocks[k][l].min(blocks[l][k]);
             n += 1;
         }
     }

@@ -7,20 +7,17 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::perm::PermRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::sparse::SparseColMatRef;
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::dissection::dissect;
 use super::fronts::Fronts;
+use super::ordering::{LARGE, analyse, best, operations, ordered, together, view};
 use super::sparse::SymmetricPattern;
-use crate::{Error, Result};
+use crate::Result;
 
-/// Unknowns from which on a better order and fronts are worth their preparation.
-const LARGE: usize = 6000;
+/// How much more work than when it was made an order may come to, as couplings are added, before another one is looked for.
+const WORSE: f64 = 1.3;
 
 /// A factorisation whose symbolic part is done.
 pub struct Cholesky {
@@ -29,44 +26,53 @@ pub struct Cholesky {
     fronts: Option<Fronts>,
     factor: Vec<f64>,
     memory: MemBuffer,
+    /// The order of elimination, if one was made for groups of unknowns, and the operations that it came to then.
+    order: Vec<usize>,
+    asked: f64,
 }
 
 impl Cholesky {
     /// Orders and analyses `pattern`, for a few factorisations.
     ///
     /// # Errors
-    /// [`Error::Numeric`] when memory runs out.
+    /// [`crate::Error::Numeric`] when memory runs out.
     pub fn new(pattern: SymmetricPattern) -> Result<Self> {
         let symbolic = analyse(&pattern, SymmetricOrdering::Amd)?;
         Ok(Self::prepare(pattern, symbolic, None))
     }
 
-    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not.
+    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not. With `groups`
+    /// (`[n]`, any numbers), unknowns of the same group go together.
     ///
     /// # Errors
-    /// [`Error::Numeric`] when memory runs out.
-    pub fn for_many(pattern: SymmetricPattern) -> Result<Self> {
-        if pattern.size() < LARGE {
-            return Self::new(pattern);
-        }
-        let (by_degree, dissected) = rayon::join(
-            || analyse(&pattern, SymmetricOrdering::Amd),
-            || {
-                let order = dissect(&pattern);
-                let mut place = vec![0; order.len()];
-                for (k, &unknown) in order.iter().enumerate() {
-                    place[unknown] = k;
-                }
-                analyse(&pattern, SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len())))
-            },
-        );
-        let (by_degree, dissected) = (by_degree?, dissected?);
-        let symbolic = if operations(&dissected) < operations(&by_degree) { dissected } else { by_degree };
-        let fronts = match (symbolic.raw(), symbolic.perm()) {
-            (SymbolicCholeskyRaw::Supernodal(supernodes), Some(order)) => Fronts::new(&pattern, order, supernodes),
-            _ => None,
+    /// [`crate::Error::Numeric`] when memory runs out.
+    pub fn for_many(pattern: SymmetricPattern, groups: Option<&[usize]>) -> Result<Self> {
+        let (order, symbolic) = match groups {
+            None => (Vec::new(), best(&pattern, LARGE)?),
+            Some(groups) => {
+                let order = together(&pattern, groups)?;
+                let symbolic = ordered(&pattern, &order)?;
+                (order, symbolic)
+            }
         };
-        Ok(Self::prepare(pattern, symbolic, fronts))
+        let fronts = if groups.is_some() || pattern.size() >= LARGE { fronts(&pattern, &symbolic) } else { None };
+        Ok(Self { asked: operations(&symbolic), order, ..Self::prepare(pattern, symbolic, fronts) })
+    }
+
+    /// As [`Cholesky::for_many`], for a `pattern` that has become another, e.g. by more couplings; the order is kept as long as it is good.
+    ///
+    /// # Errors
+    /// As [`Cholesky::for_many`].
+    pub fn again(self, pattern: SymmetricPattern, groups: Option<&[usize]>) -> Result<Self> {
+        if self.order.is_empty() || pattern.size() != self.order.len() {
+            return Self::for_many(pattern, groups);
+        }
+        let symbolic = ordered(&pattern, &self.order)?;
+        if operations(&symbolic) > WORSE * self.asked {
+            return Self::for_many(pattern, groups);
+        }
+        let fronts = fronts(&pattern, &symbolic);
+        Ok(Self { asked: self.asked, order: self.order, ..Self::prepare(pattern, symbolic, fronts) })
     }
 
     fn prepare(pattern: SymmetricPattern, symbolic: SymbolicCholesky<usize>, fronts: Option<Fronts>) -> Self {
@@ -76,7 +82,7 @@ impl Cholesky {
             None => solve.or(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())),
         };
         let factor = vec![0.0; symbolic.len_val()];
-        Self { pattern, symbolic, fronts, factor, memory: MemBuffer::new(need) }
+        Self { pattern, symbolic, fronts, factor, memory: MemBuffer::new(need), order: Vec::new(), asked: 0.0 }
     }
 
     /// The pattern given to [`Cholesky::new`].
@@ -112,34 +118,17 @@ impl Cholesky {
     }
 }
 
-fn analyse(pattern: &SymmetricPattern, ordering: SymmetricOrdering<'_, usize>) -> Result<SymbolicCholesky<usize>> {
-    factorize_symbolic_cholesky(view(pattern), Side::Lower, ordering, CholeskySymbolicParams::default())
-        .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))
-}
-
-/// Floating-point operations of one factorisation: the sum of squares of the entries in each column.
-fn operations(symbolic: &SymbolicCholesky<usize>) -> f64 {
-    match symbolic.raw() {
-        SymbolicCholeskyRaw::Simplicial(factor) => factor.col_ptr().windows(2).map(|ends| ((ends[1] - ends[0]) as f64).powi(2)).sum(),
-        SymbolicCholeskyRaw::Supernodal(factor) => {
-            let columns = factor.supernode_begin().iter().zip(factor.supernode_end()).map(|(begin, end)| end - begin);
-            let squares = |(s, width): (usize, usize)| {
-                let below = factor.supernode(s).pattern().len();
-                (below + 1..=below + width).map(|rows| (rows * rows) as f64).sum::<f64>()
-            };
-            columns.enumerate().map(squares).sum()
-        }
+fn fronts(pattern: &SymmetricPattern, symbolic: &SymbolicCholesky<usize>) -> Option<Fronts> {
+    match (symbolic.raw(), symbolic.perm()) {
+        (SymbolicCholeskyRaw::Supernodal(supernodes), Some(order)) => Fronts::new(pattern, order, supernodes),
+        _ => None,
     }
-}
-
-fn view(pattern: &SymmetricPattern) -> SymbolicSparseColMatRef<'_, usize> {
-    let n = pattern.size();
-    SymbolicSparseColMatRef::new_checked(n, n, &pattern.columns, None, &pattern.rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::dissection::dissect;
 
     #[test]
     fn solves_a_chain_and_tells_an_indefinite_one() {
@@ -201,17 +190,17 @@ mod tests {
     fn dissection_beats_minimum_degree_on_a_tube_and_is_as_good_on_a_sheet() {
         for (tube, entries, work) in [(true, 0.9, 0.8), (false, 1.03, 1.03)] {
             let pattern = shell(100, tube);
-            let order = dissect(&pattern);
-            let mut place = vec![0; order.len()];
-            for (k, &unknown) in order.iter().enumerate() {
-                place[unknown] = k;
-            }
-            let custom = SymmetricOrdering::Custom(PermRef::new_checked(&order, &place, order.len()));
-            let [dissected, by_degree] = [custom, SymmetricOrdering::Amd].map(|ordering| analyse(&pattern, ordering).unwrap());
+            let dissected = ordered(&pattern, &dissect(&pattern)).unwrap();
+            let by_degree = analyse(&pattern, SymmetricOrdering::Amd).unwrap();
             assert!((dissected.len_val() as f64) < entries * by_degree.len_val() as f64, "tube {tube}");
             assert!(operations(&dissected) < work * operations(&by_degree), "tube {tube}");
             // The one with less work is taken, in fronts.
-            let many = Cholesky::for_many(pattern).unwrap();
+            // The coordinates of a vertex together cost no more.
+            let groups: Vec<usize> = (0..pattern.size()).map(|unknown| unknown / 3).collect();
+            let grouped = Cholesky::for_many(pattern.clone(), Some(&groups)).unwrap();
+            assert!(grouped.fronts.is_some());
+            assert!(grouped.asked < 1.03 * operations(&dissected).min(operations(&by_degree)));
+            let many = Cholesky::for_many(pattern, None).unwrap();
             assert!(many.fronts.is_some());
             assert_eq!(operations(&many.symbolic), operations(&dissected).min(operations(&by_degree)));
         }
@@ -228,7 +217,7 @@ mod tests {
         let solved = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let mut cholesky = Cholesky::for_many(pattern.clone()).unwrap();
+                let mut cholesky = Cholesky::for_many(pattern.clone(), None).unwrap();
                 assert!(cholesky.fronts.is_some() && cholesky.factorise(&values));
                 let mut x = right.clone();
                 cholesky.solve(&mut x);
@@ -241,6 +230,6 @@ mod tests {
             assert!(solved(threads).1.iter().zip(&factor).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
         values[pattern.slot(n / 2, n / 2)] = 1.0;
-        assert!(!Cholesky::for_many(pattern).unwrap().factorise(&values));
+        assert!(!Cholesky::for_many(pattern, None).unwrap().factorise(&values));
     }
 }

@@ -9,6 +9,8 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
+use rayon::prelude::*;
+
 use super::sparse::SymmetricPattern;
 
 /// Parts of at most this many nodes are not cut any further.
@@ -18,6 +20,8 @@ const LARGEST_HALF: f64 = 0.6;
 /// Moves without gain after which a pass of improvement ends, and passes at most.
 const IDLE_MOVES: usize = 40;
 const PASSES: usize = 6;
+/// Of the cuts along several pairs of poles, how many are improved.
+const IMPROVED: usize = 2;
 /// Nodes from which on the two halves of a part are ordered at the same time.
 const PARALLEL: usize = 2000;
 
@@ -82,8 +86,14 @@ impl Graph {
     }
 }
 
-/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
-fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
+/// The same fill as in `order` of `pattern`, but every subtree of the elimination tree in one piece.
+pub(super) fn in_pieces(pattern: &SymmetricPattern, order: &[usize]) -> Vec<usize> {
+    let (first, neighbours) = couplings(pattern);
+    postorder(&Graph { first, neighbours, weights: vec![1; order.len()] }, order)
+}
+
+/// All unknowns that each one is coupled with, itself too, ascending; and where its list begins.
+fn couplings(pattern: &SymmetricPattern) -> (Vec<usize>, Vec<usize>) {
     let n = pattern.size();
     let mut first = vec![0; n + 1];
     let entries = || {
@@ -96,7 +106,6 @@ fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
     for i in 0..n {
         first[i + 1] += first[i];
     }
-    // Each list ascends and holds its own unknown.
     let (mut lists, mut end) = (vec![0; first[n]], first.clone());
     for (row, column) in entries() {
         lists[end[row]] = column;
@@ -106,6 +115,13 @@ fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
             end[column] += 1;
         }
     }
+    (first, lists)
+}
+
+/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
+fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
+    let n = pattern.size();
+    let (first, lists) = couplings(pattern);
     let list = |i: usize| &lists[first[i]..first[i + 1]];
     let (mut node_of, mut members) = (vec![usize::MAX; n], Vec::<Vec<usize>>::new());
     for i in 0..n {
@@ -165,18 +181,25 @@ fn halve(graph: &Graph) -> Vec<usize> {
     let (from_c, reached) = graph.steps_from(c);
     let d = reached[n - 1];
     let (from_d, _) = graph.steps_from(d);
-    let mut best: Option<(f64, Vec<usize>)> = None;
-    for signs in [[1, -1, 0, 0], [0, 0, 1, -1], [1, -1, 1, -1], [1, -1, -1, 1]] {
+    let cut = |signs: [i64; 4]| {
         let side =
             |node: usize| [&from_a, &from_b, &from_c, &from_d].iter().zip(signs).map(|(from, sign)| sign * from[node] as i64).sum::<i64>();
-        let mut cut = Cut::along(graph, side);
+        Cut::along(graph, side)
+    };
+    let mut cuts = each(n, vec![[1, -1, 0, 0], [0, 0, 1, -1], [1, -1, 1, -1], [1, -1, -1, 1]], cut);
+    // Those that are poor as they are stay so.
+    cuts.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
+    cuts.truncate(IMPROVED);
+    let cuts = each(n, cuts, |mut cut| {
         cut.improve();
-        let cost = cut.cost();
-        if best.as_ref().is_none_or(|(least, _)| cost < *least) {
-            best = Some((cost, cut.half));
-        }
-    }
-    best.map_or_else(Vec::new, |(_, half)| half)
+        cut
+    });
+    cuts.into_iter().min_by(|a, b| a.cost().total_cmp(&b.cost())).map_or_else(Vec::new, |cut| cut.half)
+}
+
+/// What `of` makes of each, at the same time where there are many nodes.
+fn each<S: Send, T: Send>(nodes: usize, all: Vec<S>, of: impl Fn(S) -> T + Sync + Send) -> Vec<T> {
+    if nodes < PARALLEL { all.into_iter().map(of).collect() } else { all.into_par_iter().map(of).collect() }
 }
 
 /// The connected pieces of `graph`, shared out to two halves of about the same weight.

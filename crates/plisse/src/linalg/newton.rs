@@ -22,7 +22,7 @@ const MOST_SADDLES: usize = 5;
 const LONGEST_LEAVE: f64 = 0.1;
 
 /// An energy that [`minimise`] can minimise.
-pub trait Problem {
+pub trait Problem: Send {
     /// Which unknowns its Hessian couples.
     fn pattern(&self) -> SymmetricPattern;
     /// `[n]` lower bound of each unknown; −∞ for none.
@@ -44,6 +44,11 @@ pub trait Problem {
     }
     /// The new pattern, if unknowns came to be coupled (contact) that were not before; asked after [`Problem::linearise`].
     fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
+        None
+    }
+    /// `[n]` a number for each unknown, the same for those that are better eliminated together (the coordinates of a vertex); `None` if that
+    /// is not known.
+    fn groups(&self) -> Option<Vec<usize>> {
         None
     }
     /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
@@ -112,15 +117,17 @@ pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
 pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, observer: &dyn Observer) -> Result<Outcome> {
     let n = start.len();
     let lower = problem.lower_bounds();
-    let mut cholesky = Cholesky::for_many(problem.pattern())?;
+    let groups = problem.groups();
+    let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
+    let mut gradient = vec![0.0; n];
+    let pattern = problem.pattern();
+    let (cholesky, mut energy) = rayon::join(|| Cholesky::for_many(pattern, groups.as_deref()), || problem.linearise(&x, &mut gradient));
+    let mut cholesky = cholesky?;
     let diagonal_of = |pattern: &SymmetricPattern| -> Vec<usize> { (0..n).map(|i| pattern.slot(i, i)).collect() };
     let mut diagonal = diagonal_of(cholesky.pattern());
     let mut values = vec![0.0; cholesky.pattern().entry_count()];
-    let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
-    let mut gradient = vec![0.0; n];
     let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut held = vec![false; n];
-    let mut energy = problem.linearise(&x, &mut gradient);
     let mut residual = largest_projected(&x, &lower, &gradient);
     let (mut exact_wait, mut exact_failures) = (0_u32, 0_u32);
     let mut settled = false;
@@ -146,7 +153,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         if let Some(pattern) = problem.changed_pattern() {
             diagonal = diagonal_of(&pattern);
             values.resize(pattern.entry_count(), 0.0);
-            cholesky = Cholesky::for_many(pattern)?;
+            cholesky = cholesky.again(pattern, groups.as_deref())?;
         }
         // Bertsekas' ε: unknowns this near to their bound count as at it.
         let near = residual.min(1e-3);

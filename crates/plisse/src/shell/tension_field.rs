@@ -68,8 +68,11 @@ impl Membrane {
     pub fn energy(&self, x: &[Vec3; 3]) -> f64 {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
-        let (principal, _) = principal_pair(&e);
         let full = |e: &Mat2| self.alpha / 2.0 * e.trace().powi(2) + self.beta * (e * e).trace();
+        if self.compressive_stiffness == 1.0 {
+            return self.scale * full(&e);
+        }
+        let (principal, _) = principal_pair(&e);
         let density = match self.state_of(&principal) {
             FaceState::Slack => self.compressive_stiffness * full(&e),
             FaceState::Mixed => {
@@ -84,16 +87,18 @@ impl Membrane {
     pub fn gradient(&self, x: &[Vec3; 3]) -> FaceGradient {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
-        let (principal, low) = principal_pair(&e);
         let s = self.compressive_stiffness;
         // The energy's slope is F·(stress) along each corner's gradient.
-        let mut stress = Mat2::zeros();
-        let state = self.state_of(&principal);
-        if state == FaceState::Mixed {
-            let high = Vec2::new(low.y, -low.x);
-            stress += high * high.transpose() * ((1.0 - s) * self.young * principal[1]);
+        let mut stress = self.stress(&e);
+        if s < 1.0 {
+            let (principal, low) = principal_pair(&e);
+            let state = self.state_of(&principal);
+            stress *= if state == FaceState::Taut { 1.0 } else { s };
+            if state == FaceState::Mixed {
+                let high = Vec2::new(low.y, -low.x);
+                stress += high * high.transpose() * ((1.0 - s) * self.young * principal[1]);
+            }
         }
-        stress += self.stress(&e) * if state == FaceState::Taut { 1.0 } else { s };
         let force = f * stress * (2.0 * self.scale);
         let mut gradient = FaceGradient::zeros();
         for k in 0..3 {
@@ -107,11 +112,15 @@ impl Membrane {
     pub fn derivatives(&self, x: &[Vec3; 3], convexity: Convexity) -> (f64, FaceGradient, FaceHessian) {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
+        let s = self.compressive_stiffness;
+        if s == 1.0 {
+            let (energy, gradient, hessian) = self.ordinary(&f, &e, convexity);
+            return (energy * self.scale, gradient * self.scale, hessian * self.scale);
+        }
         let (principal, low) = principal_pair(&e);
         let state = self.state_of(&principal);
         let (mut energy, mut gradient, mut hessian) = (0.0, FaceGradient::zeros(), FaceHessian::zeros());
-        let s = self.compressive_stiffness;
-        if state == FaceState::Mixed && s < 1.0 {
+        if state == FaceState::Mixed {
             let (w, g, h) = self.uniaxial(&f, &principal, low);
             energy += (1.0 - s) * w;
             gradient += g * (1.0 - s);
@@ -194,9 +203,17 @@ impl Membrane {
 
 /// `m` with its negative eigenvalues set to zero.
 fn positive_part(m: &Mat2) -> Mat2 {
-    let ([low, high], d) = principal_pair(m);
-    let e = Vec2::new(-d.y, d.x);
-    d * d.transpose() * low.max(0.0) + e * e.transpose() * high.max(0.0)
+    let mean = 0.5 * m.trace();
+    let radius = (0.5 * (m[(0, 0)] - m[(1, 1)])).hypot(m[(0, 1)]);
+    let (low, high) = (mean - radius, mean + radius);
+    if low >= 0.0 {
+        *m
+    } else if high <= 0.0 {
+        Mat2::zeros()
+    } else {
+        // The projector onto the direction of the higher one is (m − low)/(high − low).
+        (m - Mat2::identity() * low) * (high / (2.0 * radius))
+    }
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@
 mod advance;
 mod near;
 
+use std::ops::Range;
+
 use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy};
@@ -29,6 +31,8 @@ const PARALLEL: f64 = 1e-3;
 const AHEAD: f64 = 1.5;
 /// How much farther, as a share of the longest move, pairs are listed, so that small moves need no new list.
 const SKIN: f64 = 0.1;
+/// A new list is made where more than one in so many faces moves farther than the list foresaw.
+const FEW: usize = 8;
 
 /// Gradient (N) and a positive semidefinite part of the Hessian (N/m) of one pair: `bend`·slope·slopeᵀ.
 #[derive(Clone, Debug)]
@@ -58,8 +62,9 @@ pub(super) struct SelfContact<'a> {
     speaker: Vec<usize>,
     /// All pairs that can be within the thickness where the surface is now and may step to.
     candidates: Vec<Pair>,
-    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was when they were listed.
-    listed: Vec<Pair>,
+    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was when they were listed, and how far (m) the
+    /// two were apart then.
+    listed: Vec<(Pair, f64)>,
     listed_at: Vec<Vec3>,
 }
 
@@ -88,48 +93,80 @@ impl<'a> SelfContact<'a> {
     /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
     pub(super) fn look(&mut self, pose: &[Vec3]) {
         self.list(pose);
-        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter(|pair| self.near(pair, pose, 0.0)).copied().collect();
+        let near = |(pair, distance): &(Pair, f64)| self.ahead(pair, *distance, 0.0).then_some(*pair);
+        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter_map(near).collect();
     }
 
     /// The longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves` (`[V]`, m) that may be made; from then on, energies anywhere on
     /// that way are true.
+    ///
+    /// Where no vertex goes farther than the list foresaw, pairs are those listed; around the others they are looked for.
     pub(super) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
         let most = moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         let part = if most > self.longest_m { self.longest_m / most } else { 1.0 };
-        let skin = SKIN * self.longest_m;
-        let within = |pose: &[Vec3], listed: &[Vec3]| {
-            let from = |v: usize| (pose[v] - listed[v]).norm().max((pose[v] + moves[v] * part - listed[v]).norm());
-            listed.len() == pose.len() && (0..pose.len()).all(|v| from(v) <= 0.5 * skin)
-        };
-        let listed = within(pose, &self.listed_at) || {
-            let small = most * part <= 0.5 * skin;
-            if small {
+        let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
+        let mut gone = self.gone(pose, &end);
+        if FEW * self.fast(&gone) > self.topology.face_count() {
+            let still: Vec<f64> = pose.iter().zip(&end).map(|(p, q)| (p - q).norm()).collect();
+            if FEW * self.fast(&still) <= self.topology.face_count() {
                 self.list(pose);
+                gone = still;
             }
-            small
-        };
+        }
+        let room = self.room();
         let way = |pair: &Pair| {
             let vertices = pair.vertices();
             let way = advance(pair, vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
             let soon = way.part < 1.0 || self.ahead(pair, way.least_distance, 0.0);
             soon.then_some((*pair, way.part))
         };
-        let ways: Vec<(Pair, f64)> = if listed {
-            self.listed.par_iter().with_min_len(CHUNK).filter_map(way).collect()
-        } else {
-            let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-            self.pairs_in_boxes(|f| self.bounds(f, pose).merged(&self.bounds(f, &end)), |pair| way(&pair))
+        let of_listed = |(pair, distance): &(Pair, f64)| {
+            let foreseen = pair.vertices().iter().all(|&v| gone[v] <= room);
+            let stays_off = || distance - pair.most_nearer(&gone) >= AHEAD * self.thickness_m;
+            if foreseen && !stays_off() { way(pair) } else { None }
         };
+        let mut ways: Vec<(Pair, f64)> = self.listed.par_iter().with_min_len(CHUNK).filter_map(of_listed).collect();
+        if gone.iter().any(|&gone| gone > room) {
+            let fast = |pair: &Pair| pair.vertices().iter().any(|&v| gone[v] > room);
+            ways.extend(self.pairs_in_boxes(
+                |part| self.bounds(part, pose).merged(&self.bounds(part, &end)),
+                |f| self.topology.faces[f].iter().any(|&v| gone[v] > room),
+                |pair| if fast(&pair) { way(&pair) } else { None },
+            ));
+        }
         self.candidates.clear();
         self.candidates.extend(ways.iter().map(|(pair, _)| *pair));
         part * ways.iter().map(|(_, part)| *part).fold(1.0, f64::min)
     }
 
+    /// How far (m) a vertex may go from where it was when pairs were listed.
+    fn room(&self) -> f64 {
+        0.5 * SKIN * self.longest_m
+    }
+
+    /// `[V]` how far (m) each vertex is from where it was when pairs were listed, at most on a straight way.
+    fn gone(&self, pose: &[Vec3], end: &[Vec3]) -> Vec<f64> {
+        if self.listed_at.len() != pose.len() {
+            return vec![f64::INFINITY; pose.len()];
+        }
+        let from = |v: usize| (pose[v] - self.listed_at[v]).norm().max((end[v] - self.listed_at[v]).norm());
+        (0..pose.len()).map(from).collect()
+    }
+
+    /// How many faces have a vertex that goes farther than was foreseen.
+    fn fast(&self, gone: &[f64]) -> usize {
+        let room = self.room();
+        self.topology.faces.iter().filter(|face| face.iter().any(|&v| gone[v] > room)).count()
+    }
+
     /// Lists what can be near while nothing moves far from `pose` (`[V]`, m).
     fn list(&mut self, pose: &[Vec3]) {
-        let skin = SKIN * self.longest_m;
-        let near = |pair: Pair| self.near(&pair, pose, skin).then_some(pair);
-        self.listed = self.pairs_in_boxes(|f| self.bounds(f, pose).loosened(0.5 * skin), near);
+        let room = self.room();
+        let near = |pair: Pair| {
+            let distance = pair.near(pair.vertices().map(|v| pose[v])).distance;
+            self.ahead(&pair, distance, 2.0 * room).then_some((pair, distance))
+        };
+        self.listed = self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(room), |_| true, near);
         self.listed_at = pose.to_vec();
     }
 
@@ -142,51 +179,60 @@ impl<'a> SelfContact<'a> {
         distance < AHEAD * self.thickness_m + skin && distance < AHEAD * self.thickness_m(pair) + skin
     }
 
-    fn bounds(&self, f: usize, pose: &[Vec3]) -> Aabb {
-        let [a, b, c] = self.topology.faces[f].map(|v| Vector::new(pose[v].x, pose[v].y, pose[v].z));
-        // Half the reach on each of two faces.
+    /// The box of the vertices `part` at `pose` (`[V]`, m), and half the reach on each of two parts.
+    fn bounds(&self, part: &[usize], pose: &[Vec3]) -> Aabb {
         let half = Vector::splat(0.5 * AHEAD * self.thickness_m);
-        Aabb::new(a.min(b).min(c) - half, a.max(b).max(c) + half)
+        let place = |v: usize| Vector::new(pose[v].x, pose[v].y, pose[v].z);
+        let first = place(part[0]);
+        let ends = part[1..].iter().fold([first, first], |[low, high], &v| [low.min(place(v)), high.max(place(v))]);
+        Aabb::new(ends[0] - half, ends[1] + half)
     }
 
-    /// What `keep` makes of all pairs whose faces' boxes meet, each once, in a fixed order.
+    /// What `keep` makes of all pairs whose boxes meet and of which one is on an `asked` face, each once, in a fixed order.
     fn pairs_in_boxes<T: Send>(
         &self,
-        bounds: impl Fn(usize) -> Aabb + Sync + Send,
+        bounds: impl Fn(&[usize]) -> Aabb + Sync + Send,
+        asked: impl Fn(usize) -> bool + Sync + Send,
         keep: impl Fn(Pair) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
-        let count = self.topology.face_count();
-        let boxes: Vec<Aabb> = (0..count).into_par_iter().with_min_len(CHUNK).map(bounds).collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
-        let of_face = |f: usize| -> Vec<T> {
-            let mut others: Vec<usize> = tree.intersect_aabb(&boxes[f]).map(|g| g as usize).filter(|&g| g > f).collect();
-            others.sort_unstable();
-            let mut kept = Vec::new();
-            others.into_iter().for_each(|g| self.pairs_of_faces(f, g, &mut |pair| kept.extend(keep(pair))));
-            kept
-        };
-        (0..count).into_par_iter().with_min_len(CHUNK).flat_map_iter(of_face).collect()
-    }
-
-    /// The pairs for which the faces `f` and `g` speak.
-    fn pairs_of_faces(&self, f: usize, g: usize, visit: &mut impl FnMut(Pair)) {
-        let faces = &self.topology.faces;
-        for (from, to) in [(f, g), (g, f)] {
-            let [a, b, c] = faces[to];
-            for v in faces[from].into_iter().filter(|&v| self.speaker[v] == from && v != a && v != b && v != c) {
-                visit(Pair::VertexFace([v, a, b, c]));
-            }
-        }
-        let own = |f: usize| self.topology.face_edges[f].into_iter().filter(move |&e| self.topology.edge_faces[e][0] == f);
-        for first in own(f) {
-            let [a, b] = self.topology.edges[first];
-            for second in own(g) {
-                let [c, d] = self.topology.edges[second];
-                if a != c && a != d && b != c && b != d {
-                    visit(Pair::Edges([a, b, c, d]));
+        let topology = self.topology;
+        let faces: Vec<Aabb> = topology.faces.par_iter().with_min_len(CHUNK).map(|face| bounds(face)).collect();
+        let edges: Vec<Aabb> = topology.edges.par_iter().with_min_len(CHUNK).map(|edge| bounds(edge)).collect();
+        let vertices: Vec<Aabb> = (0..self.start.len()).into_par_iter().with_min_len(CHUNK).map(|v| bounds(&[v])).collect();
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &faces);
+        let of_faces = |range: Range<usize>| -> Vec<T> {
+            let (mut others, mut kept) = (Vec::new(), Vec::new());
+            for f in range.filter(|&f| asked(f)) {
+                others.clear();
+                others.extend(tree.intersect_aabb(&faces[f]).map(|g| g as usize).filter(|&g| g > f || !asked(g)));
+                others.sort_unstable();
+                for &g in &others {
+                    for (from, to) in [(f, g), (g, f)] {
+                        let [a, b, c] = topology.faces[to];
+                        for v in topology.faces[from] {
+                            if self.speaker[v] == from && v != a && v != b && v != c && vertices[v].intersects(&faces[to]) {
+                                kept.extend(keep(Pair::VertexFace([v, a, b, c])));
+                            }
+                        }
+                    }
+                    let own = |f: usize| topology.face_edges[f].into_iter().filter(move |&e| topology.edge_faces[e][0] == f);
+                    for first in own(f).filter(|&e| edges[e].intersects(&faces[g])) {
+                        let [a, b] = topology.edges[first];
+                        for second in own(g).filter(|&e| edges[e].intersects(&edges[first])) {
+                            let [c, d] = topology.edges[second];
+                            if a != c && a != d && b != c && b != d {
+                                kept.extend(keep(Pair::Edges([a, b, c, d])));
+                            }
+                        }
+                    }
                 }
             }
-        }
+            kept
+        };
+        let count = topology.face_count();
+        let parts: Vec<Vec<T>> =
+            (0..count.div_ceil(CHUNK)).into_par_iter().map(|c| of_faces(c * CHUNK..count.min((c + 1) * CHUNK))).collect();
+        parts.into_iter().flatten().collect()
     }
 
     /// Thickness (m) of a pair; none if the starting surface leaves none.

@@ -31,6 +31,14 @@ impl Pair {
         }
     }
 
+    /// By how much nearer the two can come where vertices go as far as `by` (`[V]`).
+    pub(crate) fn most_nearer(&self, by: &[f64]) -> f64 {
+        match *self {
+            Self::VertexFace([v, a, b, c]) => by[v] + by[a].max(by[b]).max(by[c]),
+            Self::Edges([a, b, c, d]) => by[a].max(by[b]) + by[c].max(by[d]),
+        }
+    }
+
     /// Where the two are nearest, with the four vertices at `x`.
     pub(crate) fn near(&self, x: [Vec3; 4]) -> Near {
         let weights = match self {
