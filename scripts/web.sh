@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds the studio for browsers into target/web/: the page, its module (WebAssembly), and the examples. Any static host can serve that folder.
+# Builds the studio for browsers into target/page/: the page, its module (WebAssembly), and the examples. Any static host can serve that folder.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 target=wasm32-unknown-unknown
-out=target/web
+out=target/page
 say() { printf '== %s\n' "$*"; }
 
 if ! command -v cargo >/dev/null 2>&1; then

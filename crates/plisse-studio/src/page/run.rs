@@ -147,8 +147,8 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     (Graphics::Window(gpu, hang), whole)
 }
 
-/// What the page does after each frame: files come and go.
-pub(crate) fn after_frame(window: &mut Window) {
+/// What the page does after each frame: files come and go. `was_driven`: whether there was a script before it.
+pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
     let arrived = ARRIVED.with_borrow_mut(|arrived| std::mem::take(&mut arrived.0));
     if let Some(path) = open::first(&arrived) {
         window.studio.browser = None;
@@ -178,8 +178,7 @@ pub(crate) fn after_frame(window: &mut Window) {
     if let Some(error) = failure {
         window.driver = None;
         tell("failed", &error.to_string());
-    } else if window.driver.as_ref().is_some_and(Driver::is_done) {
-        window.driver = None;
+    } else if was_driven && window.driver.is_none() {
         tell("done", "");
     }
     // A page is closed by its reader.
