@@ -55,7 +55,7 @@ settle
 solve
 settle
 show solved
-orbit 20 30
+orbit 0 50
 fit
 settle
 S
@@ -64,6 +64,8 @@ open square
 hold
 time 0.8
 tab Take away
+settle
+fit
 settle
 take surface square.obj
 settle

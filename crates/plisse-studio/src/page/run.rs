@@ -105,7 +105,7 @@ fn window(context: &eframe::CreationContext<'_>, driver: Option<Driver>, asked: 
     let keep = driver.is_none().then(|| PathBuf::from(AUTOSAVES));
     let ctx = context.egui_ctx.clone();
     let mut studio = Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
-    studio.messages.note(format!("drawn by {name}{}", why(&name, asked)));
+    studio.messages.note(format!("drawn by {}{}", name.split(':').next().unwrap_or_default(), why(&name, asked)));
     if let Some(file) = asked.files.first() {
         studio.open(Path::new(file));
     }
