@@ -12,7 +12,7 @@ if ! command -v cargo >/dev/null 2>&1; then
   exit 2
 fi
 
-# The library for browsers: rustup's, else Debian's compiler builds it from its own source (as WEB in docs/studio.md says).
+# The library for browsers: rustup's, else Debian's compiler builds it from its own source.
 extra=()
 build_std=()
 if ls "$(rustc --print sysroot)/lib/rustlib/$target/lib" >/dev/null 2>&1; then
