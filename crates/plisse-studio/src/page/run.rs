@@ -130,7 +130,7 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     let info = state.adapter.get_info();
     let api = if info.backend == wgpu::Backend::Gl { "WebGL 2" } else { "WebGPU" };
     let whole = if info.name.is_empty() { api.to_owned() } else { format!("{api}: {}", info.name) };
-    let soft = if info.name.contains("SwiftShader") { ", in software" } else { "" };
+    let soft = if info.name.contains("SwiftShader") { " (SwiftShader)" } else { "" };
     let gpu = Gpu::shared(state.device.clone(), state.queue.clone(), format!("{api}{soft}"));
     // A page has one thread.
     let (device, renderer) = (state.device, SendWrapper::new(state.renderer));

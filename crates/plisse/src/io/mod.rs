@@ -9,7 +9,7 @@
 #[cfg_attr(target_arch = "wasm32", path = "aside_in_memory.rs")]
 pub mod aside;
 #[cfg(all(test, not(target_arch = "wasm32")))]
-mod aside_in_memory;
+pub mod aside_in_memory;
 pub mod clamp_file;
 pub mod disk;
 pub mod glb;
