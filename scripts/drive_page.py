@@ -15,7 +15,7 @@ import tempfile
 import time
 import zlib
 
-LIMIT_S = float(os.environ.get("LIMIT_S", 300))
+LIMIT_S = float(os.environ.get("LIMIT_S", 600))
 
 
 class Browser:
