@@ -15,7 +15,7 @@ import tempfile
 import time
 import zlib
 
-LIMIT_S = 300
+LIMIT_S = float(os.environ.get("LIMIT_S", 600))
 
 
 class Browser:
@@ -94,7 +94,7 @@ def main():
     url, picture, *flags = sys.argv[1:]
     browser = Browser(flags)
     try:
-        target = browser.call("Target.createTarget", url="about:blank", width=1280, height=800)["targetId"]
+        target = browser.call("Target.createTarget", url="about:blank")["targetId"]
         session = browser.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         browser.call("Runtime.enable", session)
         browser.call("Page.enable", session)

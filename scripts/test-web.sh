@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the page (scripts/web.sh), opens it in headless Chromium by WebGL 2 in software, paints, changes views, solves a scene, takes a
-# file away, and leaves pictures in target/web-test/. Fails if the page told an error or is blank. Apart from scripts/test.sh: the build takes long.
+# file away, and leaves pictures in target/page-test/. Fails if the page told an error or is blank. Apart from scripts/test.sh: the build takes long.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,8 +13,8 @@ done
 [ "${1:-}" = --built ] || scripts/web.sh
 [ "${1:-}" = --built ] || cargo clippy -p plisse-studio --target wasm32-unknown-unknown --locked -- -D warnings
 
-pictures=target/web-test
-steps=target/web/test
+pictures=target/page-test
+steps=target/page/test
 mkdir -p "$pictures" "$steps"
 rm -f "$pictures"/*
 
@@ -55,7 +55,7 @@ settle
 solve
 settle
 show solved
-orbit 20 30
+orbit 0 50
 fit
 settle
 S
@@ -65,11 +65,13 @@ hold
 time 0.8
 tab Take away
 settle
+fit
+settle
 take surface square.obj
 settle
 S
 
-python3 -u -m http.server --bind 127.0.0.1 --directory target/web 0 > "$steps/port" 2>/dev/null &
+python3 -u -m http.server --bind 127.0.0.1 --directory target/page 0 > "$steps/port" 2>/dev/null &
 server=$!
 trap 'kill $server' EXIT
 port=

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds the studio for browsers into target/web/: the page, its module (WebAssembly), and the examples. Any static host can serve that folder.
+# Builds the studio for browsers into target/page/: the page, its module (WebAssembly), and the examples. Any static host can serve that folder.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 target=wasm32-unknown-unknown
-out=target/web
+out=target/page
 say() { printf '== %s\n' "$*"; }
 
 if ! command -v cargo >/dev/null 2>&1; then
@@ -12,7 +12,7 @@ if ! command -v cargo >/dev/null 2>&1; then
   exit 2
 fi
 
-# The library for browsers: rustup's, else Debian's compiler builds it from its own source (as WEB in docs/studio.md says).
+# The library for browsers: rustup's, else Debian's compiler builds it from its own source.
 extra=()
 build_std=()
 if ls "$(rustc --print sysroot)/lib/rustlib/$target/lib" >/dev/null 2>&1; then

@@ -23,6 +23,8 @@ impl eframe::App for Window {
         let ctx = ui.ctx().clone();
         self.studio.ui(ui);
         let now_s = ctx.input(|i| i.time);
+        #[cfg(target_arch = "wasm32")]
+        let was_driven = self.driver.is_some();
         if let Some(driver) = &mut self.driver {
             if let Err(error) = driver.go(&mut self.studio, &ctx, now_s) {
                 if let Ok(mut failure) = self.failure.lock() {
@@ -34,7 +36,7 @@ impl eframe::App for Window {
             }
         }
         #[cfg(target_arch = "wasm32")]
-        crate::page::after_frame(self);
+        crate::page::after_frame(self, was_driven);
         let closes = ctx.input(|i| i.viewport().close_requested());
         if closes && !self.studio.quits && self.studio.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);

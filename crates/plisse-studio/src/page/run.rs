@@ -105,7 +105,7 @@ fn window(context: &eframe::CreationContext<'_>, driver: Option<Driver>, asked: 
     let keep = driver.is_none().then(|| PathBuf::from(AUTOSAVES));
     let ctx = context.egui_ctx.clone();
     let mut studio = Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
-    studio.messages.note(format!("drawn by {name}{}", why(&name, asked)));
+    studio.messages.note(format!("drawn by {}{}", name.split(':').next().unwrap_or_default(), why(&name, asked)));
     if let Some(file) = asked.files.first() {
         studio.open(Path::new(file));
     }
@@ -130,7 +130,7 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     let info = state.adapter.get_info();
     let api = if info.backend == wgpu::Backend::Gl { "WebGL 2" } else { "WebGPU" };
     let whole = if info.name.is_empty() { api.to_owned() } else { format!("{api}: {}", info.name) };
-    let soft = if info.name.contains("SwiftShader") { ", in software" } else { "" };
+    let soft = if info.name.contains("SwiftShader") { " (SwiftShader)" } else { "" };
     let gpu = Gpu::shared(state.device.clone(), state.queue.clone(), format!("{api}{soft}"));
     // A page has one thread.
     let (device, renderer) = (state.device, SendWrapper::new(state.renderer));
@@ -147,8 +147,8 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     (Graphics::Window(gpu, hang), whole)
 }
 
-/// What the page does after each frame: files come and go.
-pub(crate) fn after_frame(window: &mut Window) {
+/// What the page does after each frame: files come and go. `was_driven`: whether there was a script before it.
+pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
     let arrived = ARRIVED.with_borrow_mut(|arrived| std::mem::take(&mut arrived.0));
     if let Some(path) = open::first(&arrived) {
         window.studio.browser = None;
@@ -178,8 +178,7 @@ pub(crate) fn after_frame(window: &mut Window) {
     if let Some(error) = failure {
         window.driver = None;
         tell("failed", &error.to_string());
-    } else if window.driver.as_ref().is_some_and(Driver::is_done) {
-        window.driver = None;
+    } else if was_driven && window.driver.is_none() {
         tell("done", "");
     }
     // A page is closed by its reader.

@@ -63,7 +63,8 @@ impl Studio {
                         let names: Vec<String> =
                             paths.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
                         let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
-                        self.messages.note(format!("wrote {} to {folder}", names.join(", ")));
+                        let to = if folder.is_empty() { String::new() } else { format!(" to {folder}") };
+                        self.messages.note(format!("wrote {}{to}", names.join(", ")));
                         self.taking.written = paths;
                     }
                     Err(error) => self.messages.problem(format!("{error}; your work is still here")),

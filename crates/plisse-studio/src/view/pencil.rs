@@ -158,7 +158,9 @@ impl Device {
         }
         if !self.painters.iter().any(|p| p.0 == size) {
             let textures: Vec<&Texture> = textures.iter().collect();
-            let painter = Painter::new(&self.gpu, size, SAMPLES, &textures)?;
+            // A page waits for what a processor draws.
+            let samples = if self.window.is_some() && self.gpu.is_software() { 1 } else { SAMPLES };
+            let painter = Painter::new(&self.gpu, size, samples, &textures)?;
             self.painters.truncate(1);
             let average = self.window.is_some().then(|| Average::new(&self.gpu, &painter));
             self.painters.insert(0, (size, painter, average));

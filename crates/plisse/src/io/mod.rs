@@ -11,7 +11,7 @@ pub mod aside;
 // Public where it is the one; here it is only tested.
 #[allow(unreachable_pub)]
 #[cfg(all(test, not(target_arch = "wasm32")))]
-mod aside_in_memory;
+pub mod aside_in_memory;
 pub mod clamp_file;
 pub mod disk;
 pub mod glb;
