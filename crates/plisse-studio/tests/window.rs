@@ -499,6 +499,7 @@ fn the_surface_folds_under_the_brush_and_what_is_taken_back_comes_back_to_the_bi
     while harness.state().growth.follows() && begun.elapsed() < Duration::from_secs(20) {
         harness.step();
     }
+    harness.step();
     says(&harness, "press Grow the whole");
 }
 

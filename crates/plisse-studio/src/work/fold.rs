@@ -15,7 +15,7 @@ use plisse::progress::{Observer, Step};
 use web_time::Instant;
 
 use super::grow::{self, Grown, Numbers};
-use super::thread::spawn;
+use super::thread::{apart, spawn};
 use crate::document::{Document, Layer, Layers};
 use crate::view::Solid;
 
@@ -134,7 +134,7 @@ impl Fold {
         }
         let (desk, wake) = (Arc::clone(&self.desk), Arc::clone(&self.wake));
         spawn("fold", move || {
-            let folded = catch_unwind(AssertUnwindSafe(|| desk.work()));
+            let folded = catch_unwind(AssertUnwindSafe(|| apart(|| desk.work())));
             let broken =
                 |_| Err(plisse::Error::value("fold under the brush", "the program made a mistake; save your work and report what you did"));
             if let Ok(mut out) = desk.out.lock() {

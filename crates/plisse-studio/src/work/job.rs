@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use plisse::progress::{Observer, Step};
 
-use super::thread::spawn;
+use super::thread::{apart, spawn};
 
 /// What a job has told about itself.
 #[derive(Clone, Debug, Default)]
@@ -55,7 +55,7 @@ impl<T: Send + 'static> Job<T> {
         let (progress, stop) = (Arc::new(Mutex::new(Progress::default())), Arc::new(AtomicBool::new(false)));
         let reporter = Reporter { progress: Arc::clone(&progress), stop: Arc::clone(&stop), send: Mutex::new(send), wake: Box::new(wake) };
         spawn("job", move || {
-            let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| work(&reporter)));
+            let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| apart(|| work(&reporter))));
             let done = match done {
                 Ok(done) => done.map_err(|e| e.to_string()),
                 Err(_) => Err("the program made a mistake in this step; your work is kept, save it and report what you did".into()),

@@ -20,6 +20,22 @@ pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     }
 }
 
+/// Runs `work` on threads of its own: pictures are drawn on those that all share, and every small step would wait for one of theirs.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn apart<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    static POOL: std::sync::OnceLock<Option<rayon::ThreadPool>> = std::sync::OnceLock::new();
+    match POOL.get_or_init(|| rayon::ThreadPoolBuilder::new().thread_name(|n| format!("job {n}")).build().ok()) {
+        Some(pool) => pool.install(work),
+        None => work(),
+    }
+}
+
+/// Runs `work`.
+#[cfg(target_arch = "wasm32")]
+pub fn apart<T>(work: impl FnOnce() -> T) -> T {
+    work()
+}
+
 /// Runs `work` in the page, once it has shown that it will.
 #[cfg(target_arch = "wasm32")]
 pub fn spawn(_name: &str, work: impl FnOnce() + 'static) {
