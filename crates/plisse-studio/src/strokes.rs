@@ -11,7 +11,7 @@ use crate::brush::{Canvas, Trail};
 use crate::studio::{SETTLE, Studio};
 
 /// How long dabs are painted in one frame; the last one may end later.
-const PAINTING: Duration = Duration::from_millis(12);
+const PAINTING: Duration = Duration::from_millis(5);
 
 impl Studio {
     /// Where unified vertices are seen; the rest pose before the first picture.

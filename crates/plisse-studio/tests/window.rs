@@ -517,7 +517,8 @@ fn frames_of_a_hundred_thousand_vertices_are_measured() {
         );
     }
     eprintln!("{strokes:?}");
-    // How long they take is for `--measure` (docs/studio.md): a machine that is busy with something else would fail a limit.
+    // How long they take is for `--measure` (docs/studio.md); these limits are far above it, for machines that are busy with something else.
     assert!(strokes.vertices > 5000 && strokes.longest_ms > 0.0, "{strokes:?}");
-    assert!(rows.iter().all(|r| r.idle_ms > 0.0 && r.stages_ms > 0.0));
+    assert!(rows.iter().all(|r| r.idle_ms > 0.0 && r.idle_ms < 15.0 && r.stages_ms > 0.0), "many times what it takes on a quiet machine");
+    assert!(strokes.longest_ms < 1000.0, "{strokes:?}");
 }

@@ -67,6 +67,8 @@ pub struct Painting {
     /// `[U]` place in `touches`, or none.
     slots: Vec<u32>,
     reach: Reach,
+    /// Lowest and highest corner of the rest pose (m), once it was needed.
+    rest_box: Option<[Vec3; 2]>,
     touches: Vec<(u32, Touch)>,
 }
 
@@ -75,7 +77,7 @@ const NONE: u32 = u32::MAX;
 impl Painting {
     /// A stroke with `brush` on a model of `count` unified vertices, before its first dab.
     pub fn new(brush: Brush, count: usize) -> Self {
-        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], reach: Reach::new(count), touches: Vec::new() }
+        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], reach: Reach::new(count), rest_box: None, touches: Vec::new() }
     }
 
     /// The brush.
@@ -96,7 +98,7 @@ impl Painting {
             Mirror::Z => 2,
         };
         let (x, faces) = (&canvas.unified.vertices.positions, &canvas.unified.faces);
-        let [low, high] = bounds(x);
+        let [low, high] = *self.rest_box.get_or_insert_with(|| bounds(x));
         let mut place = Hit::on(hit.face, hit.weights, x, faces).position;
         place[axis] = low[axis] + high[axis] - place[axis];
         let mut course = course;

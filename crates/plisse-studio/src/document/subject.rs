@@ -55,6 +55,8 @@ pub struct Subject {
     pub scene: Option<SceneText>,
     /// What readers passed over or mended, a sentence each.
     pub notes: Vec<String>,
+    /// Diagonal of the rest pose's box (m).
+    pub(crate) size_m: f32,
 }
 
 impl Subject {
@@ -74,7 +76,8 @@ impl Subject {
     pub fn new(source: Source, mut model: Model) -> Self {
         let unified = Unified::new(&model, TOLERANCE);
         fill_normals(&mut model, &unified);
-        Self { source, model, unified, scene: None, notes: Vec::new() }
+        let size_m = diagonal_m(&unified);
+        Self { source, model, unified, scene: None, notes: Vec::new(), size_m }
     }
 
     /// The start of the scene in `text`, which came from `path`.
@@ -87,7 +90,8 @@ impl Subject {
         let notes = built.notes.clone();
         let (model, unified) = laid(&built);
         let scene = SceneText { text, scene, built: Arc::new(built) };
-        Ok(Self { source: Source::File(path), model, unified, scene: Some(scene), notes })
+        let size_m = diagonal_m(&unified);
+        Ok(Self { source: Source::File(path), model, unified, scene: Some(scene), notes, size_m })
     }
 
     /// `[U]` wavelengths (m) that the model's vertex colours ask for, or one for all.
@@ -97,9 +101,13 @@ impl Subject {
 
     /// Size of the rest pose (m): the diagonal of its box.
     pub fn size_m(&self) -> f32 {
-        let [low, high] = bounds(&self.unified.vertices.positions);
-        (high - low).norm().max(1e-6)
+        self.size_m
     }
+}
+
+fn diagonal_m(unified: &Unified) -> f32 {
+    let [low, high] = bounds(&unified.vertices.positions);
+    (high - low).norm().max(1e-6)
 }
 
 /// `scene` ready for the solvers; one that only grows need not be held.
