@@ -76,7 +76,9 @@ impl Studio {
         self.growth.followed = (self.document.revision, self.cached.dabs);
         self.growth.widths_m = (document.settings.fold_spacing_m, document.settings.coherence_m);
         self.growth.fold = Some(Fold::start(document, self.growth.grown.clone(), Arc::clone(&self.wake)));
-        self.choose_layer(Layer::Expansion);
+        if self.brush.layer != Layer::Expansion {
+            self.choose_layer(Layer::Expansion);
+        }
     }
 
     /// Has the fold follow what was painted, and takes what came of it.

@@ -91,7 +91,8 @@ impl Studio {
             if redo.on_hover_text(ui.ctx().format_shortcut(&Command::Redo.shortcut())).clicked() {
                 self.run(Command::Redo);
             }
-            ui.label(format!("{} strokes", self.document.history.done().len()));
+            let strokes = self.document.history.done().len();
+            ui.label(format!("{strokes} stroke{}", if strokes == 1 { "" } else { "s" }));
         });
         let (view, name) = match layer {
             Layer::Expansion => (View::Expansion, "Show what is painted"),
