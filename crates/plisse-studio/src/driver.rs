@@ -68,6 +68,9 @@ impl Driver {
             }
             return Ok(());
         }
+        if studio.reading.is_busy() {
+            return Ok(());
+        }
         let Some(step) = self.steps.get(self.at).cloned() else { return Ok(()) };
         if step.word == "settle" {
             self.calm = if studio.is_idle() && studio.sheet.is_some() { self.calm + 1 } else { 0 };

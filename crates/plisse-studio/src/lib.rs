@@ -16,6 +16,7 @@ pub mod messages;
 pub mod open;
 pub mod page;
 pub mod panels;
+mod reading;
 pub mod script;
 mod strokes;
 pub mod studio;

@@ -19,6 +19,7 @@ use crate::panels::browser::Browser;
 use crate::panels::grow::Growth;
 use crate::panels::physics::Physics;
 use crate::panels::take::Taking;
+use crate::reading::Reading;
 use crate::view::easel::texture_of;
 use crate::view::{Easel, Graphics, Order, Sheet, Shown, Turntable, View};
 
@@ -126,6 +127,7 @@ pub struct Studio {
     pub growth: Growth,
     /// Taking away.
     pub taking: Taking,
+    pub(crate) reading: Reading,
     pub(crate) browser: Option<Browser>,
     pub(crate) asks: Option<Question>,
     pub(crate) guard: Guard,
@@ -209,6 +211,7 @@ impl Studio {
             physics: Physics::default(),
             growth: Growth::default(),
             taking: Taking::default(),
+            reading: Reading::default(),
             browser: None,
             asks: None,
             left,
@@ -261,18 +264,6 @@ impl Studio {
         self.settle = SETTLE;
         self.guard.watch(&self.document);
         self.fit();
-    }
-
-    /// Opens the file `path`; what goes wrong becomes a message, and what was open stays.
-    pub fn open(&mut self, path: &Path) {
-        match open::open(path) {
-            Ok(document) => {
-                let is_document = path.to_string_lossy().ends_with(open::DOCUMENT_END);
-                self.show(document, is_document.then(|| path.to_path_buf()));
-                self.messages.note(format!("opened {}", path.display()));
-            }
-            Err(error) => self.messages.problem(error),
-        }
     }
 
     /// Whether there is something that is not saved.
@@ -514,6 +505,7 @@ impl Studio {
             && !self.physics.is_busy()
             && !self.growth.is_busy()
             && !self.taking.is_busy()
+            && !self.reading.is_busy()
     }
 
     /// Ends the program cleanly.

@@ -305,8 +305,7 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
     let bad = folder.join("bad.glb");
     std::fs::write(&bad, "glTF and then nothing").unwrap();
     harness.state_mut().open(&bad);
-    harness.step();
-    harness.step();
+    settle(&mut harness);
     says(&harness, "bad.glb");
     assert_eq!(harness.state().document.subject.source.stem(), "curtain", "what was open stays");
     press(&mut harness, "Close");
@@ -324,8 +323,7 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
     says(&harness, "has changed since it was read");
     assert_eq!(harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0], 0.006);
     press(&mut harness, "Read again");
-    harness.step();
-    harness.step();
+    settle(&mut harness);
     assert_eq!(harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0], 0.007);
     std::fs::remove_dir_all(&folder).unwrap();
 }
@@ -357,9 +355,12 @@ fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
     harness.step();
     write_name(&mut harness, &path);
     press(&mut harness, "Open");
-    harness.step();
+    let begun = Instant::now();
+    while harness.state().path.as_deref() != Some(path.as_path()) {
+        harness.step();
+        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", harness.state().messages.last());
+    }
     assert_eq!(numbers(harness.state()), painted);
-    assert_eq!(harness.state().path.as_deref(), Some(path.as_path()));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
@@ -396,8 +397,7 @@ fn what_a_killed_program_left_is_recovered() {
     next.step();
     says(&next, "ended before curtain was saved");
     press(&mut next, "Recover");
-    next.step();
-    next.step();
+    settle(&mut next);
     assert_eq!(numbers(next.state()), painted);
     assert!(next.state().is_unsaved());
     std::fs::remove_dir_all(&folder).unwrap();

@@ -5,7 +5,6 @@ use plisse::io::disk;
 
 use crate::commands::Command;
 use crate::messages::Weight;
-use crate::open;
 use crate::panels::browser::Browser;
 use crate::studio::{Question, Studio, Tab};
 use crate::view::View;
@@ -138,27 +137,6 @@ impl Studio {
     pub fn show_own(&mut self, name: &str) {
         match crate::document::Subject::own(name) {
             Ok(subject) => self.show(crate::document::Document::new(subject), None),
-            Err(error) => self.messages.problem(error),
-        }
-    }
-
-    /// Takes over what a program left that did not end by itself.
-    pub(crate) fn recover(&mut self, left: &crate::guard::Left) {
-        match open::open(&left.path) {
-            Ok(mut document) => {
-                // It is in no file of the user's yet.
-                document.revision = 1;
-                self.show(document, None);
-                self.saved_revision = 0;
-                match self.guard.keep(&self.document) {
-                    Ok(()) => {
-                        let _ = disk::remove(&left.path);
-                        self.left.retain(|l| l != left);
-                        self.messages.note(format!("recovered {}; save it", left.name));
-                    }
-                    Err(error) => self.messages.problem(error),
-                }
-            }
             Err(error) => self.messages.problem(error),
         }
     }

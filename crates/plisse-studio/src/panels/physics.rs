@@ -6,8 +6,8 @@ use egui::{Button, ComboBox, DragValue, ProgressBar, RichText, Ui};
 use plisse::mesh::Vec3;
 
 use super::plots;
+use crate::document::Subject;
 use crate::document::scene_edit::{Edit, edited};
-use crate::document::{Document, Subject};
 use crate::fabrics::FABRICS;
 use crate::studio::{Looking, Studio};
 use crate::view::Solid;
@@ -74,6 +74,7 @@ impl Studio {
         self.take_solve();
         self.take_growth();
         self.take_taken();
+        self.take_read();
     }
 
     fn take_solve(&mut self) {
@@ -131,35 +132,6 @@ impl Studio {
                 }
             }
             Err(error) => self.messages.problem(error),
-        }
-    }
-
-    /// Reads the file that is open again, keeping what is painted where the mesh is still the same.
-    pub(crate) fn reload(&mut self, path: &std::path::Path) {
-        match crate::open::subject(path) {
-            Ok(subject) => {
-                let same = subject.unified.count() == self.document.subject.unified.count()
-                    && subject.unified.faces == self.document.subject.unified.faces;
-                let mut fresh = Document::new(subject);
-                if same {
-                    fresh.layers = self.document.layers.clone();
-                    fresh.history = self.document.history.clone();
-                    fresh.settings = self.document.settings.clone();
-                    fresh.revision = self.document.revision + 1;
-                    let path = self.path.clone();
-                    self.show(fresh, path);
-                    self.messages.note("read again; what was painted is kept");
-                } else if self.document.history.done().is_empty() {
-                    self.show(fresh, None);
-                    self.messages.note("read again");
-                } else {
-                    self.messages.problem(format!(
-                        "{}: its mesh is another one, what was painted does not fit it; save your work, then open the file anew",
-                        path.display()
-                    ));
-                }
-            }
-            Err(error) => self.messages.problem(format!("{error}; what is open here stays")),
         }
     }
 
