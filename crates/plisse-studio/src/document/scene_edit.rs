@@ -1,6 +1,6 @@
 //! Changes of a scene's text: constants and clamps, with everything else, comments too, as it was.
 
-use plisse::scene::parse;
+use plisse::scene::{Scene, parse};
 use plisse::{Error, Result};
 use toml_edit::{Array, DocumentMut, Item, Value, value};
 
@@ -37,13 +37,45 @@ impl Edit {
     }
 }
 
-/// `scene` with `edit`.
-///
-/// # Errors
-/// As [`parse`] and [`ready`]: the change may be one that cannot be.
-pub fn edited(scene: &SceneText, edit: &Edit) -> Result<SceneText> {
+/// A scene that was changed and whose surface is still to be made.
+#[derive(Clone, Debug)]
+pub struct Draft {
+    /// The file's text.
+    pub text: String,
+    /// What it says.
+    pub scene: Scene,
+}
+
+impl Draft {
+    /// `scene` as it is.
+    pub fn of(scene: &SceneText) -> Self {
+        Self { text: scene.text.clone(), scene: scene.scene.clone() }
+    }
+
+    /// This with `edit`.
+    ///
+    /// # Errors
+    /// As [`parse`]: the change may be one that cannot be.
+    pub fn with(&self, edit: &Edit) -> Result<Self> {
+        let text = changed(&self.text, edit)?;
+        let scene = parse(&self.scene.file, &text)?;
+        Ok(Self { text, scene })
+    }
+
+    /// The scene ready for the solvers.
+    ///
+    /// # Errors
+    /// As [`ready`].
+    pub fn build(self) -> Result<SceneText> {
+        let built = std::sync::Arc::new(ready(&self.scene)?);
+        Ok(SceneText { text: self.text, scene: self.scene, built })
+    }
+}
+
+/// A scene's `text` with `edit`.
+fn changed(text: &str, edit: &Edit) -> Result<String> {
     let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
-    let mut document: DocumentMut = scene.text.parse().map_err(|e| bad(&e))?;
+    let mut document: DocumentMut = text.parse().map_err(|e| bad(&e))?;
     match edit {
         Edit::Material { young_pa, poisson, thickness_m, density_kg_m3 } => {
             set(&mut document["material"], "young_pa", *young_pa);
@@ -71,10 +103,7 @@ pub fn edited(scene: &SceneText, edit: &Edit) -> Result<SceneText> {
             set(&mut document["load"], "pressure_pa", *pascal);
         }
     }
-    let text = document.to_string();
-    let parsed = parse(&scene.scene.file, &text)?;
-    let built = std::sync::Arc::new(ready(&parsed)?);
-    Ok(SceneText { text, scene: parsed, built })
+    Ok(document.to_string())
 }
 
 /// Replaces a number and leaves what stands around it.
@@ -104,19 +133,20 @@ mod tests {
     fn constants_and_clamps_change_and_comments_stay() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/01-twisted-cylinder.toml");
         let subject = Subject::scene(path.into(), std::fs::read_to_string(path).unwrap()).unwrap();
-        let scene = subject.scene.unwrap();
-        let found = edited(&scene, &Edit::ClampTurn(1, 7.5)).unwrap();
+        let scene = Draft::of(&subject.scene.unwrap());
+        let found = scene.with(&Edit::ClampTurn(1, 7.5)).unwrap();
         assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg, 7.5);
         assert_eq!(found.text.lines().next(), scene.text.lines().next());
-        let found = edited(&found, &Edit::ClampMove(0, [0.0, 0.0, -0.01])).unwrap();
+        let found = found.with(&Edit::ClampMove(0, [0.0, 0.0, -0.01])).unwrap();
         assert_eq!(found.scene.clamp[0].move_m, [0.0, 0.0, -0.01]);
-        let found = edited(&found, &Edit::fabric(&crate::fabrics::FABRICS[0])).unwrap();
+        let found = found.with(&Edit::fabric(&crate::fabrics::FABRICS[0])).unwrap();
         assert_eq!(found.scene.material.young_pa, crate::fabrics::FABRICS[0].young_pa);
         // Every digit of a number comes back.
         let number = 0.1 + 0.2;
-        let found = edited(&found, &Edit::ClampTurn(1, number)).unwrap();
+        let found = found.with(&Edit::ClampTurn(1, number)).unwrap();
         assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg.to_bits(), number.to_bits());
         let bad = Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };
-        assert!(edited(&found, &bad).unwrap_err().to_string().contains("young"));
+        assert!(found.with(&bad).unwrap_err().to_string().contains("young"));
+        assert_eq!(found.build().unwrap().built.material.young_pa, crate::fabrics::FABRICS[0].young_pa);
     }
 }

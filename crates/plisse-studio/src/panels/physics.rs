@@ -6,8 +6,8 @@ use egui::{Button, ComboBox, DragValue, ProgressBar, RichText, Ui};
 use plisse::mesh::Vec3;
 
 use super::plots;
-use crate::document::Subject;
-use crate::document::scene_edit::{Edit, edited};
+use crate::document::scene_edit::{Draft, Edit};
+use crate::document::{SceneText, Subject};
 use crate::fabrics::FABRICS;
 use crate::studio::{Looking, Studio};
 use crate::view::Solid;
@@ -26,6 +26,10 @@ pub struct Physics {
     pub solved: Option<Arc<SolvedScene>>,
     /// How the last solve went.
     progress: Progress,
+    /// A changed scene on its way to a surface.
+    draft: Option<(Draft, Job<SceneText>)>,
+    /// Whether it is solved then.
+    solves: bool,
     /// Solve again when something is changed.
     pub follow: bool,
 }
@@ -36,9 +40,9 @@ impl Physics {
         self.solid.clone()
     }
 
-    /// Whether a solve is on its way.
+    /// Whether a solve, or a changed scene, is on its way.
     pub fn is_busy(&self) -> bool {
-        self.job.is_some()
+        self.job.is_some() || self.draft.is_some()
     }
 
     /// Forgets everything.
@@ -62,6 +66,10 @@ impl Studio {
             self.messages.problem("solve: this model came from no scene; open a scene file (.toml) for that");
             return;
         };
+        if self.physics.draft.is_some() {
+            self.physics.solves = true;
+            return;
+        }
         let (built, start) = (Arc::clone(&scene.built), self.physics.pose.clone());
         let wake = Arc::clone(&self.wake);
         let work = move |reporter: &crate::work::job::Reporter<Part>| run(&built, start.as_ref().map(|p| &p[..]), reporter);
@@ -71,6 +79,7 @@ impl Studio {
 
     /// Takes what the jobs have made.
     pub(crate) fn take_jobs(&mut self) {
+        self.take_draft();
         self.take_solve();
         self.take_growth();
         self.take_taken();
@@ -114,29 +123,51 @@ impl Studio {
         }
     }
 
-    /// Changes the scene; what cannot be becomes a message, and the scene stays.
+    /// Changes the scene, whose surface is then made anew in the background; what cannot be becomes a message, and the scene stays.
     pub fn edit_scene(&mut self, edit: &Edit) {
         let Some(scene) = &self.document.subject.scene else { return };
-        match edited(scene, edit) {
-            Ok(scene) => {
-                let subject = Subject { scene: Some(scene), ..(*self.document.subject).clone() };
-                self.document.subject = Arc::new(subject);
-                self.document.revision += 1;
-                self.physics.solved = None;
-                if let Some(job) = &self.physics.job {
-                    job.cancel();
-                    self.physics.job = None;
-                }
-                if self.physics.follow {
-                    self.solve();
-                }
+        let draft = self.physics.draft.as_ref().map_or_else(|| Draft::of(scene), |(draft, _)| draft.clone());
+        match draft.with(edit) {
+            Ok(draft) => {
+                let (wake, built) = (Arc::clone(&self.wake), draft.clone());
+                let job = Job::start("scene", move || wake(), move |_| built.build());
+                self.physics.draft = Some((draft, job));
             }
             Err(error) => self.messages.problem(error),
         }
     }
 
+    fn take_draft(&mut self) {
+        let Some((_, job)) = &self.physics.draft else { return };
+        for news in job.take() {
+            let News::Done(done) = news else { continue };
+            self.physics.draft = None;
+            match done {
+                Ok(scene) => {
+                    let subject = Subject { scene: Some(scene), ..(*self.document.subject).clone() };
+                    self.document.subject = Arc::new(subject);
+                    self.document.revision += 1;
+                    self.physics.solved = None;
+                    if let Some(job) = &self.physics.job {
+                        job.cancel();
+                        self.physics.job = None;
+                    }
+                    if std::mem::take(&mut self.physics.solves) || self.physics.follow {
+                        self.solve();
+                    }
+                }
+                Err(error) => {
+                    self.physics.solves = false;
+                    self.messages.problem(error);
+                }
+            }
+            return;
+        }
+    }
+
     pub(crate) fn physics_panel(&mut self, ui: &mut Ui) {
-        let Some(scene) = self.document.subject.scene.as_ref().map(|s| s.scene.clone()) else {
+        let draft = self.physics.draft.as_ref().map(|(draft, _)| draft.scene.clone());
+        let Some(scene) = draft.or_else(|| self.document.subject.scene.as_ref().map(|s| s.scene.clone())) else {
             ui.label("The solver takes scenes: panels or garments that are sewn, held and pushed. Open a scene file (.toml); those of Plissé lie in the folder examples.");
             return;
         };
@@ -217,7 +248,7 @@ impl Studio {
         ui.add_space(4.0);
         ui.heading("Solve");
         ui.checkbox(&mut self.physics.follow, "solve again when something changes").on_hover_text("from where it was");
-        let busy = self.physics.is_busy();
+        let busy = self.physics.job.is_some();
         ui.horizontal(|ui| {
             let warm = if self.physics.pose.is_some() { "Go on" } else { "Solve" };
             if ui.add(Button::new(if busy { "Stop" } else { warm })).on_hover_text("Ctrl+Enter").clicked() {
