@@ -238,14 +238,7 @@ impl<P: Problem> Banded<P> {
                 lists[body.first + u].extend((u..UNKNOWNS).map(|w| body.first + w));
             }
         }
-        let (mut columns, mut rows) = (vec![0], Vec::new());
-        for list in &mut lists {
-            list.sort_unstable();
-            list.dedup();
-            rows.extend_from_slice(list);
-            columns.push(rows.len());
-        }
-        let pattern = SymmetricPattern { columns, rows };
+        let pattern = SymmetricPattern::from_columns(lists);
         let mut scatter = Vec::with_capacity(inner.entry_count());
         each(&mut |slot, u, w, factor| scatter.push((slot as u32, pattern.slot(u, w) as u32, factor)));
         (self.pattern, self.scatter) = (pattern, scatter);

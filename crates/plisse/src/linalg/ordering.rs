@@ -104,14 +104,7 @@ fn grouped(pattern: &SymmetricPattern, groups: &[usize]) -> (SymmetricPattern, V
             }
         }
     }
-    let (mut columns, mut rows) = (vec![0], Vec::new());
-    for list in &mut lists {
-        list.sort_unstable();
-        list.dedup();
-        rows.extend_from_slice(list);
-        columns.push(rows.len());
-    }
-    (SymmetricPattern { columns, rows }, members)
+    (SymmetricPattern::from_columns(lists), members)
 }
 
 /// The symbolic factorisation of `pattern` in this order of elimination.

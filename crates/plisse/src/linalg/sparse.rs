@@ -10,6 +10,18 @@ pub struct SymmetricPattern {
 }
 
 impl SymmetricPattern {
+    /// From the rows of each column (`[n]`, none above the diagonal, in any order, also more than once).
+    pub(crate) fn from_columns(mut lists: Vec<Vec<usize>>) -> Self {
+        let (mut columns, mut rows) = (vec![0], Vec::new());
+        for list in &mut lists {
+            list.sort_unstable();
+            list.dedup();
+            rows.extend_from_slice(list);
+            columns.push(rows.len());
+        }
+        Self { columns, rows }
+    }
+
     /// The union of the full blocks that `elements` couple. An unknown may appear in no element; its diagonal is kept.
     pub fn from_elements<'a>(n: usize, elements: impl Iterator<Item = &'a [usize]>) -> Self {
         let (mut unknowns, mut begins) = (Vec::new(), vec![0]);
