@@ -7,6 +7,7 @@
 
 use nalgebra::SMatrix;
 
+use crate::linalg::elimination::Groups;
 use crate::linalg::newton::{Convexity, Problem};
 use crate::linalg::small::convexify;
 use crate::linalg::sparse::SymmetricPattern;
@@ -163,7 +164,6 @@ impl<P: Problem> Banded<P> {
         for (b, body) in bodies.iter_mut().enumerate() {
             body.first = free_size + UNKNOWNS * b;
         }
-        let empty = SymmetricPattern { columns: vec![0], rows: Vec::new() };
         let mut banded = Self {
             inner,
             bodies,
@@ -171,7 +171,7 @@ impl<P: Problem> Banded<P> {
             free,
             carried,
             free_size,
-            pattern: empty,
+            pattern: SymmetricPattern::empty(),
             scatter: Vec::new(),
             inner_x: vec![0.0; size],
             inner_gradient: vec![0.0; size],
@@ -306,11 +306,29 @@ impl<P: Problem> Problem for Banded<P> {
         vec![f64::NEG_INFINITY; self.size()]
     }
 
-    fn groups(&self) -> Option<Vec<usize>> {
+    fn groups(&self) -> Option<Groups> {
         let inner = self.inner.groups()?;
-        let first = inner.iter().max().map_or(0, |most| most + 1);
-        let free = self.free.iter().zip(&inner).filter(|(u, _)| **u != NONE).map(|(_, group)| *group);
-        Some(free.chain((0..self.bodies.len()).flat_map(|b| [first + b; UNKNOWNS])).collect())
+        // Vertices are free or carried as wholes; bodies come last.
+        let body = |group: &Vec<usize>| self.carried[group[0]].map(|(b, ..)| b);
+        let free = inner.members.iter().filter(|group| body(group).is_none());
+        let mut members: Vec<Vec<usize>> = free.map(|group| group.iter().map(|&i| self.free[i]).collect()).collect();
+        let (first, mut next) = (members.len(), 0);
+        members.extend(self.bodies.iter().map(|body| (body.first..body.first + UNKNOWNS).collect()));
+        let number: Vec<usize> = inner
+            .members
+            .iter()
+            .map(|group| {
+                next += usize::from(body(group).is_none());
+                body(group).map_or(next - 1, |b| first + b)
+            })
+            .collect();
+        let mut lists: Vec<Vec<usize>> = (0..members.len()).map(|group| vec![group]).collect();
+        for (column, &u) in number.iter().enumerate() {
+            for &row in &inner.graph.rows[inner.graph.columns[column]..inner.graph.columns[column + 1]] {
+                lists[u.min(number[row])].push(u.max(number[row]));
+            }
+        }
+        Some(Groups { graph: SymmetricPattern::from_columns(lists), members })
     }
 
     fn energy(&mut self, y: &[f64]) -> f64 {
@@ -385,6 +403,11 @@ mod tests {
         fn lower_bounds(&self) -> Vec<f64> {
             vec![f64::NEG_INFINITY; self.here.len()]
         }
+        fn groups(&self) -> Option<Groups> {
+            let vertices: Vec<usize> = (0..self.here.len() / 3).collect();
+            let graph = SymmetricPattern::from_elements(vertices.len(), [&vertices[..]].into_iter());
+            Some(Groups { graph, members: vertices.iter().map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect() })
+        }
         fn energy(&mut self, x: &[f64]) -> f64 {
             self.linearise(x, &mut vec![0.0; x.len()])
         }
@@ -428,6 +451,20 @@ mod tests {
         let unknown: Vec<[usize; 3]> = (0..n).map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect();
         let bands = [vec![1, 4, 5, 7], vec![0, 3, 8]];
         (Banded::new(Springs { places, here: vec![0.0; 3 * n] }, &bands, &unknown, &start, &vec![1e-4; n], 1.5), start)
+    }
+
+    #[test]
+    fn groups_hold_every_unknown_and_are_coupled_where_theirs_are() {
+        let (banded, _) = some(10);
+        let Groups { graph, members } = banded.groups().unwrap();
+        assert_eq!(members.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, UNKNOWNS, UNKNOWNS]);
+        let mut of = vec![NONE; banded.size()];
+        members.iter().enumerate().for_each(|(group, members)| members.iter().for_each(|&i| of[i] = group));
+        for column in 0..banded.size() {
+            for &row in &banded.pattern.rows[banded.pattern.columns[column]..banded.pattern.columns[column + 1]] {
+                assert!(graph.find(of[row], of[column]).is_some(), "{row} {column}");
+            }
+        }
     }
 
     #[test]

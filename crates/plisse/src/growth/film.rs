@@ -20,6 +20,8 @@ use rayon::prelude::*;
 
 use super::self_contact::{SelfContact, Touch};
 use crate::Result;
+use crate::linalg::by_vertex::{NO_SLOT, VertexPattern};
+use crate::linalg::elimination::Groups;
 use crate::linalg::newton::{Convexity, Problem};
 use crate::linalg::sparse::SymmetricPattern;
 use crate::material::Material;
@@ -62,17 +64,14 @@ pub struct Film<'a> {
     foundation: &'a [Foundation],
     barrier: Option<Barrier<'a>>,
     forces_newton: Vec<Vec3>,
-    /// `[V][3]` unknown of each coordinate.
-    unknown: Vec<[usize; 3]>,
-    size: usize,
     length_m: f64,
     unit_joule: f64,
-    pattern: SymmetricPattern,
+    pattern: VertexPattern,
     /// Hessian of all that is quadratic, in units.
     constant: Vec<f64>,
     /// What held coordinates that are not where they started add to the gradient, in units.
     pull: Vec<f64>,
-    /// `[F][45]` slots of each face's lower triangle; `u32::MAX` where a coordinate is held.
+    /// `[F][45]` slots of each face's lower triangle; [`NO_SLOT`] where a coordinate is held.
     slots: Vec<[u32; 45]>,
     pose: Vec<Vec3>,
     product: Vec<f64>,
@@ -124,14 +123,14 @@ impl<'a> Film<'a> {
         let length_m = setup.length_m();
         let unit_joule = material.young_pa * material.thickness_m * length_m * length_m;
 
-        let faces = topology.faces.iter().map(|face| free(face.iter().flat_map(|&v| unknown[v])));
-        let rows = bending
-            .rows
-            .iter()
-            .flat_map(|row| (0..3).map(|axis| free(row.iter().map(move |&(v, _)| (v, axis)).map(|(v, a)| unknown[v][a]))));
-        let lists: Vec<Vec<usize>> = faces.chain(rows).collect();
-        let pattern = SymmetricPattern::from_elements(size, lists.iter().map(Vec::as_slice));
-        let slots = topology.faces.iter().map(|face| face_slots(&pattern, face.map(|v| unknown[v]))).collect();
+        let (mut row_vertices, mut row_ends) = (Vec::new(), vec![0]);
+        for row in &bending.rows {
+            row_vertices.extend(row.iter().map(|&(v, _)| v));
+            row_ends.push(row_vertices.len());
+        }
+        let rows = row_ends.windows(2).map(|ends| &row_vertices[ends[0]..ends[1]]);
+        let pattern = VertexPattern::new(unknown, topology.faces.iter().map(|face| &face[..]), rows);
+        let slots = topology.faces.iter().map(|face| face_slots(&pattern, face)).collect();
         let held = |v: usize| Vec3::from_fn(|axis, _| setup.clamps.targets[v][axis].unwrap_or(start[v][axis]));
         let pose: Vec<Vec3> = (0..start.len()).map(held).collect();
         let mut film = Self {
@@ -141,11 +140,9 @@ impl<'a> Film<'a> {
             foundation,
             barrier: Barrier::new(setup),
             forces_newton: setup.dead_forces_newton(),
-            unknown,
-            size,
             length_m,
             unit_joule,
-            constant: vec![0.0; pattern.entry_count()],
+            constant: vec![0.0; pattern.pattern().entry_count()],
             pull: vec![0.0; size],
             pattern,
             slots,
@@ -168,7 +165,7 @@ impl<'a> Film<'a> {
 
     /// `[V][3]` the unknown of each coordinate; [`NONE`] where it is held.
     pub(super) fn unknowns(&self) -> &[[usize; 3]] {
-        &self.unknown
+        self.pattern.unknown()
     }
 
     /// Joules in one unit of energy.
@@ -191,7 +188,8 @@ impl<'a> Film<'a> {
             row.iter().for_each(|&(v, a)| rows_of[v].push((r, a)));
         }
         let (mut sums, mut met) = (vec![0.0; self.start.len()], Vec::new());
-        for (v, rows) in rows_of.iter().enumerate().filter(|&(v, _)| self.unknown[v] != [NONE; 3]) {
+        let unknown = self.pattern.unknown();
+        for (v, rows) in rows_of.iter().enumerate().filter(|&(v, _)| unknown[v] != [NONE; 3]) {
             for &(r, a) in rows {
                 for &(u, b) in &bending.rows[r] {
                     if sums[u] == 0.0 {
@@ -205,11 +203,12 @@ impl<'a> Film<'a> {
             met.dedup();
             for u in met.drain(..) {
                 let sum = std::mem::take(&mut sums[u]);
-                for (axis, &i) in self.unknown[v].iter().enumerate().filter(|(_, i)| **i != NONE) {
-                    match self.unknown[u][axis] {
-                        NONE => self.pull[i] += sum * moved[u][axis] / self.length_m,
-                        j if j <= i => self.constant[self.pattern.slot(i, j)] += sum,
-                        _ => {}
+                let slots = if u <= v { self.pattern.block(v, u) } else { [[NO_SLOT; 3]; 3] };
+                for (axis, &i) in unknown[v].iter().enumerate().filter(|(_, i)| **i != NONE) {
+                    if unknown[u][axis] == NONE {
+                        self.pull[i] += sum * moved[u][axis] / self.length_m;
+                    } else if u <= v {
+                        self.constant[slots[axis][axis] as usize] += sum;
                     }
                 }
             }
@@ -219,25 +218,25 @@ impl<'a> Film<'a> {
             let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]);
             add(&mut self.constant, &self.slots[f], &(slope * slope.transpose() * scale));
             let by: f64 = (0..9).map(|k| slope[k] * moved[corners[k / 3]][k % 3]).sum();
-            for k in (0..9).filter(|&k| by != 0.0 && self.unknown[corners[k / 3]][k % 3] != NONE) {
-                self.pull[self.unknown[corners[k / 3]][k % 3]] += slope[k] * by * scale / self.length_m;
+            for k in (0..9).filter(|&k| by != 0.0 && unknown[corners[k / 3]][k % 3] != NONE) {
+                self.pull[unknown[corners[k / 3]][k % 3]] += slope[k] * by * scale / self.length_m;
             }
         }
         for (v, foundation) in self.foundation.iter().enumerate() {
             let normal = foundation.normal * foundation.normal.transpose();
             let block = normal * foundation.stiffness + (Mat3::identity() - normal) * foundation.grip;
-            add_vertex(&self.pattern, &self.unknown[v], &(block * scale), &mut self.constant);
+            add_vertex(&self.pattern, v, &(block * scale), &mut self.constant);
             let force = block * moved[v] * (scale / self.length_m);
-            for axis in (0..3).filter(|&axis| self.unknown[v][axis] != NONE) {
-                self.pull[self.unknown[v][axis]] += force[axis];
+            for axis in (0..3).filter(|&axis| unknown[v][axis] != NONE) {
+                self.pull[unknown[v][axis]] += force[axis];
             }
         }
     }
 
     /// The unknowns of `pose` (`[V]`, m).
     pub fn pack(&self, pose: &[Vec3]) -> Vec<f64> {
-        let mut x = vec![0.0; self.size];
-        for (v, unknown) in self.unknown.iter().enumerate() {
+        let mut x = vec![0.0; self.size()];
+        for (v, unknown) in self.pattern.unknown().iter().enumerate() {
             for axis in (0..3).filter(|&axis| unknown[axis] != NONE) {
                 x[unknown[axis]] = (pose[v][axis] - self.start[v][axis]) / self.length_m;
             }
@@ -247,11 +246,15 @@ impl<'a> Film<'a> {
 
     /// The pose (`[V]`, m) of the unknowns; the starting surface to the bit where they are 0.
     pub fn unpack(&self, x: &[f64], pose: &mut [Vec3]) {
-        for (v, unknown) in self.unknown.iter().enumerate() {
+        for (v, unknown) in self.pattern.unknown().iter().enumerate() {
             for axis in (0..3).filter(|&axis| unknown[axis] != NONE) {
                 pose[v][axis] = self.start[v][axis] + x[unknown[axis]] * self.length_m;
             }
         }
+    }
+
+    fn size(&self) -> usize {
+        self.pull.len()
     }
 
     fn take(&mut self, x: &[f64]) {
@@ -259,7 +262,7 @@ impl<'a> Film<'a> {
         self.unpack(x, &mut pose);
         self.pose = pose;
         let mut product = std::mem::take(&mut self.product);
-        self.pattern.multiply(&self.constant, x, &mut product);
+        self.pattern.pattern().multiply(&self.constant, x, &mut product);
         self.product = product;
     }
 
@@ -311,12 +314,7 @@ impl<'a> Film<'a> {
         let Some(contact) = &self.contact else { return };
         self.touches = contact.touches(&self.pose);
         // Bending couples like axes only; what touches couples all.
-        let coupled = |u: usize, v: usize| {
-            let free = |v: usize| self.unknown[v].into_iter().filter(|&unknown| unknown != NONE);
-            let found = |i: Option<usize>, j: Option<usize>| i.zip(j).is_none_or(|(i, j)| self.pattern.find(i, j).is_some());
-            found(free(u).next(), free(v).next_back()) && found(free(u).next_back(), free(v).next())
-        };
-        let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| coupled(touch.vertices[k], touch.vertices[l])));
+        let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| self.pattern.couples(touch.vertices[k], touch.vertices[l])));
         let missing: Vec<usize> = (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();
         self.since += 1;
         if missing.is_empty() {
@@ -328,16 +326,15 @@ impl<'a> Film<'a> {
             return;
         }
         self.since = 0;
-        let lists: Vec<Vec<usize>> = contact.soon(&self.pose).iter().map(|list| free(list.iter().flat_map(|&v| self.unknown[v]))).collect();
-        let (pattern, places) = self.pattern.extended(lists.iter().map(Vec::as_slice));
-        let mut constant = vec![0.0; pattern.entry_count()];
+        let places = self.pattern.extend(contact.soon(&self.pose).iter().map(|vertices| &vertices[..]));
+        let mut constant = vec![0.0; self.pattern.pattern().entry_count()];
         for (&place, &value) in places.iter().zip(&self.constant) {
-            constant[place] = value;
+            constant[place as usize] = value;
         }
-        for slot in self.slots.iter_mut().flatten().filter(|slot| **slot != u32::MAX) {
-            *slot = places[*slot as usize] as u32;
+        for slot in self.slots.iter_mut().flatten().filter(|slot| **slot != NO_SLOT) {
+            *slot = places[*slot as usize];
         }
-        (self.pattern, self.constant, self.recoupled) = (pattern, constant, true);
+        (self.constant, self.recoupled) = (constant, true);
     }
 
     /// Adds what touches to the Hessian's values.
@@ -346,15 +343,17 @@ impl<'a> Film<'a> {
             // (Σ wₖxₖ)² ≤ Σ|w| · Σ |wₖ|xₖ², and Σ|w| is 2.
             for (&v, slope) in touch.vertices.iter().zip(&touch.slope).filter(|(_, slope)| **slope != Vec3::zeros()) {
                 let block = slope * slope.transpose() * (2.0 * scale * touch.bend / slope.norm());
-                add_vertex(&self.pattern, &self.unknown[v], &block, values);
+                add_vertex(&self.pattern, v, &block, values);
             }
         }
         for touch in self.touches.iter().filter(|touch| !touch.loose) {
-            for k in 0..12 {
+            for k in 0..4 {
                 for l in 0..=k {
-                    let (i, j) = (self.unknown[touch.vertices[k / 3]][k % 3], self.unknown[touch.vertices[l / 3]][l % 3]);
-                    if i != NONE && j != NONE {
-                        values[self.pattern.slot(i, j)] += scale * touch.bend * touch.slope[k / 3][k % 3] * touch.slope[l / 3][l % 3];
+                    let slots = self.pattern.block(touch.vertices[k], touch.vertices[l]);
+                    for a in 0..3 {
+                        for b in (0..if k == l { a + 1 } else { 3 }).filter(|&b| slots[a][b] != NO_SLOT) {
+                            values[slots[a][b] as usize] += scale * touch.bend * touch.slope[k][a] * touch.slope[l][b];
+                        }
                     }
                 }
             }
@@ -364,16 +363,15 @@ impl<'a> Film<'a> {
 
 impl Problem for Film<'_> {
     fn pattern(&self) -> SymmetricPattern {
-        self.pattern.clone()
+        self.pattern.pattern().clone()
     }
 
     fn lower_bounds(&self) -> Vec<f64> {
-        vec![f64::NEG_INFINITY; self.size]
+        vec![f64::NEG_INFINITY; self.size()]
     }
 
-    fn groups(&self) -> Option<Vec<usize>> {
-        let free = |(v, unknown): (usize, &[usize; 3])| unknown.iter().filter(|u| **u != NONE).map(move |_| v).collect::<Vec<_>>();
-        Some(self.unknown.iter().enumerate().flat_map(free).collect())
+    fn groups(&self) -> Option<Groups> {
+        Some(self.pattern.groups())
     }
 
     fn energy(&mut self, x: &[f64]) -> f64 {
@@ -390,9 +388,10 @@ impl Problem for Film<'_> {
         let scale = self.length_m / self.unit_joule;
         let slopes: Vec<_> =
             (0..self.membranes.len()).into_par_iter().with_min_len(CHUNK).map(|f| self.membranes[f].gradient(&self.corners(f))).collect();
+        let unknown = self.pattern.unknown();
         let mut add = |v: usize, axis: usize, force: f64| {
-            if self.unknown[v][axis] != NONE {
-                gradient[self.unknown[v][axis]] += scale * force;
+            if unknown[v][axis] != NONE {
+                gradient[unknown[v][axis]] += scale * force;
             }
         };
         for (face, slope) in self.setup.topology.faces.iter().zip(&slopes) {
@@ -419,8 +418,9 @@ impl Problem for Film<'_> {
     }
 
     fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
+        let unknown = self.pattern.unknown();
         let by = |v: usize| {
-            Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
+            Vec3::from_fn(|axis, _| match unknown[v][axis] {
                 NONE => 0.0,
                 u => direction[u] * self.length_m,
             })
@@ -436,7 +436,7 @@ impl Problem for Film<'_> {
     }
 
     fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
-        std::mem::take(&mut self.recoupled).then(|| self.pattern.clone())
+        std::mem::take(&mut self.recoupled).then(|| self.pattern.pattern().clone())
     }
 
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
@@ -460,7 +460,7 @@ impl Problem for Film<'_> {
                 block += push.hessian;
             }
             if block != Mat3::zeros() {
-                add_vertex(&self.pattern, &self.unknown[v], &(block * scale), values);
+                add_vertex(&self.pattern, v, &(block * scale), values);
             }
         }
         self.add_touches(values, scale);
@@ -484,31 +484,17 @@ pub(super) fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBen
     bending
 }
 
-fn free(unknowns: impl Iterator<Item = usize>) -> Vec<usize> {
-    unknowns.filter(|&u| u != NONE).collect()
-}
-
-fn face_slots(pattern: &SymmetricPattern, unknowns: [[usize; 3]; 3]) -> [u32; 45] {
-    // Unknowns of a vertex follow each other, and a face couples all of its own: so do their rows in a column.
-    let mut blocks = [[u32::MAX; 9]; 9];
-    for (p, first) in unknowns.iter().enumerate() {
-        for (q, second) in unknowns.iter().enumerate() {
-            for (m, &column) in first.iter().enumerate().filter(|(_, column)| **column != NONE) {
-                let mut slot = None;
-                for (n, &row) in second.iter().enumerate().filter(|(_, row)| **row != NONE && **row >= column) {
-                    let here = slot.map_or_else(|| pattern.slot(column, row), |before: usize| before + 1);
-                    blocks[3 * p + m][3 * q + n] = here as u32;
-                    slot = Some(here);
+fn face_slots(pattern: &VertexPattern, face: &[usize; 3]) -> [u32; 45] {
+    let mut slots = [NO_SLOT; 45];
+    for p in 0..3 {
+        for q in 0..=p {
+            let block = pattern.block(face[p], face[q]);
+            for a in 0..3 {
+                let k = 3 * p + a;
+                for b in 0..if p == q { a + 1 } else { 3 } {
+                    slots[k * (k + 1) / 2 + 3 * q + b] = block[a][b];
                 }
             }
-        }
-    }
-    let mut slots = [u32::MAX; 45];
-    let mut n = 0;
-    for k in 0..9 {
-        for l in 0..=k {
-            slots[n] = blocks[k][l].min(blocks[l][k]);
-            n += 1;
         }
     }
     slots
@@ -518,7 +504,7 @@ fn add(values: &mut [f64], slots: &[u32; 45], hessian: &FaceHessian) {
     let mut n = 0;
     for k in 0..9 {
         for l in 0..=k {
-            if slots[n] != u32::MAX {
+            if slots[n] != NO_SLOT {
                 values[slots[n] as usize] += hessian[(k, l)];
             }
             n += 1;
@@ -526,12 +512,11 @@ fn add(values: &mut [f64], slots: &[u32; 45], hessian: &FaceHessian) {
     }
 }
 
-fn add_vertex(pattern: &SymmetricPattern, unknown: &[usize; 3], block: &Mat3, values: &mut [f64]) {
+fn add_vertex(pattern: &VertexPattern, v: usize, block: &Mat3, values: &mut [f64]) {
+    let slots = pattern.block(v, v);
     for i in 0..3 {
-        for j in 0..=i {
-            if unknown[i] != NONE && unknown[j] != NONE {
-                values[pattern.slot(unknown[i], unknown[j])] += block[(i, j)];
-            }
+        for j in (0..=i).filter(|&j| slots[i][j] != NO_SLOT) {
+            values[slots[i][j] as usize] += block[(i, j)];
         }
     }
 }
@@ -581,13 +566,13 @@ mod tests {
         let mut gradient = vec![0.0; x.len()];
         let energy = film.linearise(&x, &mut gradient);
         assert_eq!(energy, film.energy(&x));
-        let mut values = vec![0.0; film.pattern.entry_count()];
+        let mut values = vec![0.0; film.pattern().entry_count()];
         film.hessian(Convexity::Exact, &mut values);
         let (mut hessian, mut unit) = (Vec::new(), vec![0.0; x.len()]);
         for i in 0..x.len() {
             unit[i] = 1.0;
             let mut row = vec![0.0; x.len()];
-            film.pattern.multiply(&values, &unit, &mut row);
+            film.pattern().multiply(&values, &unit, &mut row);
             hessian.extend(row);
             unit[i] = 0.0;
         }

@@ -1,20 +1,21 @@
 //! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic part once, numeric part as often as
 //! wanted.
 //!
-//! Ordering by approximate minimum degree, symbolic part and solves are those of `faer`. Its numeric part runs on one thread on
-//! purpose, so that its rounding does not depend on the number of threads. Where a large matrix is factorised many times, a nested
-//! dissection ([`super::dissection`]) is tried, too, and the numeric part is that of `fronts`, whose rounding does not either.
+//! For a few factorisations all is `faer`'s. Its numeric part runs on one thread on purpose, so that its rounding does not depend on the
+//! number of threads. Where a large matrix is factorised many times, or it is known which unknowns belong together, the order is the best
+//! of several (`ordering`), and the rest is that of `fronts`, whose rounding does not either.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
+use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
+use super::elimination::{Elimination, Groups};
 use super::fronts::Fronts;
-use super::ordering::{LARGE, analyse, best, operations, ordered, together, view};
+use super::ordering::{LARGE, LARGE_GROUPS, alone, best, view};
 use super::sparse::SymmetricPattern;
-use crate::Result;
+use crate::{Error, Result};
 
 /// How much more work than when it was made an order may come to, as couplings are added, before another one is looked for.
 const WORSE: f64 = 1.3;
@@ -22,13 +23,14 @@ const WORSE: f64 = 1.3;
 /// A factorisation whose symbolic part is done.
 pub struct Cholesky {
     pattern: SymmetricPattern,
-    symbolic: SymbolicCholesky<usize>,
-    fronts: Option<Fronts>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
-    /// The order of elimination, if one was made for groups of unknowns, and the operations that it came to then.
-    order: Vec<usize>,
-    asked: f64,
+    method: Method,
+}
+
+enum Method {
+    /// By the library, for a few times.
+    Library { symbolic: SymbolicCholesky<usize>, factor: Vec<f64>, memory: MemBuffer },
+    /// By fronts, for many times; with the operations that the order came to when it was made.
+    Fronts { elimination: Elimination, fronts: Fronts, asked: f64 },
 }
 
 impl Cholesky {
@@ -37,52 +39,49 @@ impl Cholesky {
     /// # Errors
     /// [`crate::Error::Numeric`] when memory runs out.
     pub fn new(pattern: SymmetricPattern) -> Result<Self> {
-        let symbolic = analyse(&pattern, SymmetricOrdering::Amd)?;
-        Ok(Self::prepare(pattern, symbolic, None))
+        let params = CholeskySymbolicParams::default();
+        let symbolic = factorize_symbolic_cholesky(view(&pattern), Side::Lower, SymmetricOrdering::Amd, params)
+            .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))?;
+        let factorise = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
+        let memory = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq).or(factorise));
+        let factor = vec![0.0; symbolic.len_val()];
+        Ok(Self { pattern, method: Method::Library { symbolic, factor, memory } })
     }
 
-    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not. With `groups`
-    /// (`[n]`, any numbers), unknowns of the same group go together.
+    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not. With `groups`,
+    /// unknowns of the same group go together.
     ///
     /// # Errors
     /// [`crate::Error::Numeric`] when memory runs out.
-    pub fn for_many(pattern: SymmetricPattern, groups: Option<&[usize]>) -> Result<Self> {
-        let (order, symbolic) = match groups {
-            None => (Vec::new(), best(&pattern, LARGE)?),
-            Some(groups) => {
-                let order = together(&pattern, groups)?;
-                let symbolic = ordered(&pattern, &order)?;
-                (order, symbolic)
-            }
+    pub fn for_many(pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
+        let elimination = match groups {
+            Some(groups) => best(&groups, LARGE_GROUPS)?,
+            None if pattern.size() < LARGE => return Self::new(pattern),
+            None => best(&alone(&pattern), LARGE)?,
         };
-        let fronts = if groups.is_some() || pattern.size() >= LARGE { fronts(&pattern, &symbolic) } else { None };
-        Ok(Self { asked: operations(&symbolic), order, ..Self::prepare(pattern, symbolic, fronts) })
+        let asked = elimination.operations;
+        Ok(Self::by_fronts(pattern, elimination, asked))
+    }
+
+    fn by_fronts(pattern: SymmetricPattern, elimination: Elimination, asked: f64) -> Self {
+        let fronts = Fronts::new(&pattern, &elimination);
+        Self { pattern, method: Method::Fronts { elimination, fronts, asked } }
     }
 
     /// As [`Cholesky::for_many`], for a `pattern` that has become another, e.g. by more couplings; the order is kept as long as it is good.
     ///
     /// # Errors
     /// As [`Cholesky::for_many`].
-    pub fn again(self, pattern: SymmetricPattern, groups: Option<&[usize]>) -> Result<Self> {
-        if self.order.is_empty() || pattern.size() != self.order.len() {
-            return Self::for_many(pattern, groups);
+    pub fn again(self, pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
+        if let Method::Fronts { elimination, asked, .. } = self.method
+            && let Some(groups) = &groups
+        {
+            let elimination = Elimination::of(groups, &elimination.groups);
+            if elimination.operations <= WORSE * asked {
+                return Ok(Self::by_fronts(pattern, elimination, asked));
+            }
         }
-        let symbolic = ordered(&pattern, &self.order)?;
-        if operations(&symbolic) > WORSE * self.asked {
-            return Self::for_many(pattern, groups);
-        }
-        let fronts = fronts(&pattern, &symbolic);
-        Ok(Self { asked: self.asked, order: self.order, ..Self::prepare(pattern, symbolic, fronts) })
-    }
-
-    fn prepare(pattern: SymmetricPattern, symbolic: SymbolicCholesky<usize>, fronts: Option<Fronts>) -> Self {
-        let solve = symbolic.solve_in_place_scratch::<f64>(8, Par::Seq);
-        let need = match fronts {
-            Some(_) => solve,
-            None => solve.or(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default())),
-        };
-        let factor = vec![0.0; symbolic.len_val()];
-        Self { pattern, symbolic, fronts, factor, memory: MemBuffer::new(need), order: Vec::new(), asked: 0.0 }
+        Self::for_many(pattern, groups)
     }
 
     /// The pattern given to [`Cholesky::new`].
@@ -93,35 +92,27 @@ impl Cholesky {
     /// Factorises the matrix with these lower-triangle `values`. Returns whether it is positive definite; only then may
     /// [`Cholesky::solve`] follow.
     pub fn factorise(&mut self, values: &[f64]) -> bool {
-        if let Some(fronts) = &self.fronts {
-            return fronts.factorise(values, &mut self.factor);
+        match &mut self.method {
+            Method::Fronts { fronts, .. } => fronts.factorise(values),
+            Method::Library { symbolic, factor, memory } => {
+                let matrix = SparseColMatRef::new(view(&self.pattern), values);
+                let (side, regularisation) = (Side::Lower, LltRegularization::default());
+                let stack = MemStack::new(memory);
+                symbolic.factorize_numeric_llt(factor, matrix, side, regularisation, Par::Seq, stack, Spec::default()).is_ok()
+            }
         }
-        let matrix = SparseColMatRef::new(view(&self.pattern), values);
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut self.factor,
-                matrix,
-                Side::Lower,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut self.memory),
-                Spec::default(),
-            )
-            .is_ok()
     }
 
     /// Replaces `x` by A⁻¹x.
     pub fn solve(&mut self, x: &mut [f64]) {
-        let n = x.len();
-        let factor = LltRef::new(&self.symbolic, &self.factor);
-        factor.solve_in_place_with_conj(Conj::No, MatMut::from_column_major_slice_mut(x, n, 1), Par::Seq, MemStack::new(&mut self.memory));
-    }
-}
-
-fn fronts(pattern: &SymmetricPattern, symbolic: &SymbolicCholesky<usize>) -> Option<Fronts> {
-    match (symbolic.raw(), symbolic.perm()) {
-        (SymbolicCholeskyRaw::Supernodal(supernodes), Some(order)) => Fronts::new(pattern, order, supernodes),
-        _ => None,
+        match &mut self.method {
+            Method::Fronts { fronts, .. } => fronts.solve(x),
+            Method::Library { symbolic, factor, memory } => {
+                let n = x.len();
+                let x = MatMut::from_column_major_slice_mut(x, n, 1);
+                LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(memory));
+            }
+        }
     }
 }
 
@@ -129,6 +120,7 @@ fn fronts(pattern: &SymmetricPattern, symbolic: &SymbolicCholesky<usize>) -> Opt
 mod tests {
     use super::*;
     use crate::linalg::dissection::dissect;
+    use crate::linalg::ordering::minimum_degree;
 
     #[test]
     fn solves_a_chain_and_tells_an_indefinite_one() {
@@ -190,19 +182,22 @@ mod tests {
     fn dissection_beats_minimum_degree_on_a_tube_and_is_as_good_on_a_sheet() {
         for (tube, entries, work) in [(true, 0.9, 0.8), (false, 1.03, 1.03)] {
             let pattern = shell(100, tube);
-            let dissected = ordered(&pattern, &dissect(&pattern)).unwrap();
-            let by_degree = analyse(&pattern, SymmetricOrdering::Amd).unwrap();
-            assert!((dissected.len_val() as f64) < entries * by_degree.len_val() as f64, "tube {tube}");
-            assert!(operations(&dissected) < work * operations(&by_degree), "tube {tube}");
-            // The one with less work is taken, in fronts.
-            // The coordinates of a vertex together cost no more.
-            let groups: Vec<usize> = (0..pattern.size()).map(|unknown| unknown / 3).collect();
-            let grouped = Cholesky::for_many(pattern.clone(), Some(&groups)).unwrap();
-            assert!(grouped.fronts.is_some());
-            assert!(grouped.asked < 1.03 * operations(&dissected).min(operations(&by_degree)));
-            let many = Cholesky::for_many(pattern, None).unwrap();
-            assert!(many.fronts.is_some());
-            assert_eq!(operations(&many.symbolic), operations(&dissected).min(operations(&by_degree)));
+            let unknowns = alone(&pattern);
+            let dissected = Elimination::of(&unknowns, &dissect(&pattern));
+            let by_degree = Elimination::of(&unknowns, &minimum_degree(&pattern).unwrap());
+            let stored = |elimination: &Elimination| {
+                elimination.supernodes.iter().map(|node| node.columns.len() * (node.columns.len() + node.rows.len())).sum::<usize>() as f64
+            };
+            assert!(stored(&dissected) < entries * stored(&by_degree), "tube {tube}");
+            assert!(dissected.operations < work * by_degree.operations, "tube {tube}");
+            // The one with less work is taken; the coordinates of a vertex together cost no more.
+            let least = dissected.operations.min(by_degree.operations);
+            let vertices = pattern.size() / 3;
+            let below = |v: usize| pattern.rows[pattern.columns[3 * v]..pattern.columns[3 * v + 1]].iter().map(|row| row / 3).collect();
+            let graph = SymmetricPattern::from_columns((0..vertices).map(below).collect());
+            let groups = Groups { graph, members: (0..vertices).map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect() };
+            assert!(best(&groups, LARGE_GROUPS).unwrap().operations < 1.03 * least);
+            assert_eq!(best(&unknowns, LARGE).unwrap().operations, least);
         }
     }
 
@@ -218,16 +213,20 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let mut cholesky = Cholesky::for_many(pattern.clone(), None).unwrap();
-                assert!(cholesky.fronts.is_some() && cholesky.factorise(&values));
+                assert!(matches!(cholesky.method, Method::Fronts { .. }) && cholesky.factorise(&values));
                 let mut x = right.clone();
                 cholesky.solve(&mut x);
-                (x, cholesky.factor)
+                // Once more, in memory that was used before.
+                assert!(cholesky.factorise(&values));
+                let mut again = right.clone();
+                cholesky.solve(&mut again);
+                (x, again)
             })
         };
-        let (x, factor) = solved(1);
+        let (x, again) = solved(1);
         assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-10));
-        for threads in [2, 4] {
-            assert!(solved(threads).1.iter().zip(&factor).all(|(a, b)| a.to_bits() == b.to_bits()));
+        for other in [again, solved(2).0, solved(4).0, solved(4).1] {
+            assert!(x.iter().zip(&other).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
         values[pattern.slot(n / 2, n / 2)] = 1.0;
         assert!(!Cholesky::for_many(pattern, None).unwrap().factorise(&values));

@@ -11,6 +11,7 @@ use std::collections::{BinaryHeap, VecDeque};
 
 use rayon::prelude::*;
 
+use super::elimination::couplings;
 use super::sparse::SymmetricPattern;
 
 /// Parts of at most this many nodes are not cut any further.
@@ -28,11 +29,10 @@ const PARALLEL: usize = 2000;
 /// Half of a cut that a node belongs to: 0, 1 or the separator.
 const SEPARATOR: usize = 2;
 
-/// An order of elimination: the unknown that goes first, the one after it, …. Parts of the elimination tree are in one piece.
+/// An order of elimination: the unknown that goes first, the one after it, ….
 pub fn dissect(pattern: &SymmetricPattern) -> Vec<usize> {
     let (graph, members) = compress(pattern);
-    let order = order_part(&graph, &(0..graph.size()).collect::<Vec<_>>());
-    postorder(&graph, &order).into_iter().flat_map(|node| members[node].iter().copied()).collect()
+    order_part(&graph, &(0..graph.size()).collect::<Vec<_>>()).into_iter().flat_map(|node| members[node].iter().copied()).collect()
 }
 
 /// An undirected graph without loops whose nodes have weights.
@@ -84,38 +84,6 @@ impl Graph {
         }
         (steps, reached)
     }
-}
-
-/// The same fill as in `order` of `pattern`, but every subtree of the elimination tree in one piece.
-pub(super) fn in_pieces(pattern: &SymmetricPattern, order: &[usize]) -> Vec<usize> {
-    let (first, neighbours) = couplings(pattern);
-    postorder(&Graph { first, neighbours, weights: vec![1; order.len()] }, order)
-}
-
-/// All unknowns that each one is coupled with, itself too, ascending; and where its list begins.
-fn couplings(pattern: &SymmetricPattern) -> (Vec<usize>, Vec<usize>) {
-    let n = pattern.size();
-    let mut first = vec![0; n + 1];
-    let entries = || {
-        (0..n).flat_map(|column| pattern.rows[pattern.columns[column]..pattern.columns[column + 1]].iter().map(move |&row| (row, column)))
-    };
-    for (row, column) in entries() {
-        first[row + 1] += 1;
-        first[column + 1] += usize::from(row != column);
-    }
-    for i in 0..n {
-        first[i + 1] += first[i];
-    }
-    let (mut lists, mut end) = (vec![0; first[n]], first.clone());
-    for (row, column) in entries() {
-        lists[end[row]] = column;
-        end[row] += 1;
-        if row != column {
-            lists[end[column]] = row;
-            end[column] += 1;
-        }
-    }
-    (first, lists)
 }
 
 /// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
@@ -345,48 +313,6 @@ impl<'a> Cut<'a> {
         }
         better
     }
-}
-
-/// The same fill as in `order`, but every subtree of the elimination tree in one piece.
-fn postorder(graph: &Graph, order: &[usize]) -> Vec<usize> {
-    let n = order.len();
-    let mut place = vec![0; n];
-    for (k, &node) in order.iter().enumerate() {
-        place[node] = k;
-    }
-    // Parents in the elimination tree, by shortened ways to the root (Liu 1986).
-    let (mut parent, mut above) = (vec![usize::MAX; n], vec![usize::MAX; n]);
-    for k in 0..n {
-        for &other in graph.of(order[k]) {
-            let mut at = place[other];
-            while at < k && above[at] != k {
-                let next = above[at];
-                above[at] = k;
-                if next == usize::MAX {
-                    parent[at] = k;
-                    break;
-                }
-                at = next;
-            }
-        }
-    }
-    let mut children = vec![Vec::new(); n];
-    let mut todo = Vec::new();
-    for k in (0..n).rev() {
-        match parent[k] {
-            usize::MAX => todo.push(k),
-            up => children[up].push(k),
-        }
-    }
-    // From the roots down, the last first; then turned round.
-    todo.reverse();
-    let mut out = Vec::with_capacity(n);
-    while let Some(k) = todo.pop() {
-        out.push(order[k]);
-        todo.extend(children[k].iter().rev());
-    }
-    out.reverse();
-    out
 }
 
 #[cfg(test)]

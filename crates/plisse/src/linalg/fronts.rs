@@ -6,152 +6,235 @@
 //! in the same order: children add up as they are numbered, and large fronts are divided into blocks of a fixed width.
 
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::perm::PermRef;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
+use super::elimination::Elimination;
 use super::sparse::SymmetricPattern;
+use crate::mesh::NONE;
 
 /// Width of the blocks of columns into which large fronts are divided, and rows that are solved for at once.
 const BLOCK: usize = 192;
 /// Floating-point operations from which on subtrees are worth a thread.
 const WORTH_A_THREAD: f64 = 4e6;
+/// Entries up to which what a front leaves is written where another left something before.
+const SMALL: usize = 1 << 18;
 
-/// The elimination tree of supernodes, and where the matrix's entries go.
+/// The elimination tree of supernodes, where the matrix's entries go, and the factor.
 pub(super) struct Fronts {
     supernodes: Vec<Supernode>,
     /// Supernodes without a parent.
     roots: Vec<usize>,
+    /// `[n]` the unknown that goes first, the one after it, …
+    order: Vec<usize>,
     /// Where the entries of the matrix are in its values and go in the panel of their supernode, supernode after supernode.
     entries: Vec<(u32, u32)>,
+    factor: Vec<f64>,
+    /// Memory for what small fronts leave.
+    spare: Mutex<Vec<Vec<f64>>>,
+    /// Room for a right-hand side, and for what one supernode does to it.
+    right: Vec<f64>,
+    part: Vec<f64>,
 }
 
 struct Supernode {
-    /// Columns, and rows below them.
-    width: usize,
-    below: usize,
+    columns: Range<usize>,
+    /// Rows below them.
+    rows: Vec<usize>,
     /// Where its panel, `width + below` rows by `width` columns, is in the factor; and where that of the first in its subtree begins.
     panel: Range<usize>,
     subtree_start: usize,
     children: Vec<usize>,
-    /// `[below]` row of the parent's front for each row below.
-    in_parent: Vec<u32>,
+    /// Rows below that are rows of the parent's front, as they follow each other in both.
+    in_parent: Vec<Piece>,
     entries: Range<usize>,
     /// Floating-point operations in its subtree.
     work: f64,
 }
 
+/// Rows that follow each other in a front and in its parent's.
+struct Piece {
+    /// The first among the rows below.
+    from: usize,
+    /// The first in the parent's front.
+    to: usize,
+    length: usize,
+}
+
+impl Supernode {
+    /// Columns, and rows below them.
+    fn size(&self) -> (usize, usize) {
+        (self.columns.len(), self.rows.len())
+    }
+}
+
 impl Fronts {
-    /// The fronts of `pattern`, permuted by `order`, with these supernodes; none if a subtree is not in one piece.
-    pub(super) fn new(pattern: &SymmetricPattern, order: PermRef<'_, usize>, symbolic: &SymbolicSupernodalCholesky<usize>) -> Option<Self> {
-        let n = symbolic.n_supernodes();
-        let (begin, end, start) = (symbolic.supernode_begin(), symbolic.supernode_end(), symbolic.col_ptr_for_val());
-        let mut owner = vec![0; pattern.size()];
-        for s in 0..n {
-            owner[begin[s]..end[s]].fill(s);
-        }
-        let mut supernodes: Vec<Supernode> = Vec::with_capacity(n);
-        let mut children = vec![Vec::new(); n];
+    /// The fronts of `pattern` under `elimination`.
+    pub(super) fn new(pattern: &SymmetricPattern, elimination: &Elimination) -> Self {
+        let all = &elimination.supernodes;
+        let mut children = vec![Vec::new(); all.len()];
         let mut roots = Vec::new();
-        // First supernode of each subtree.
-        let mut first: Vec<usize> = (0..n).collect();
-        for s in 0..n {
-            let rows = symbolic.supernode(s).pattern();
-            let (width, below) = (end[s] - begin[s], rows.len());
-            let mut in_parent = Vec::with_capacity(below);
-            match rows.first() {
-                None => roots.push(s),
-                Some(&row) => {
-                    let parent = owner[row];
-                    let parent_rows = symbolic.supernode(parent).pattern();
-                    for &row in rows {
-                        in_parent.push(match row.checked_sub(end[parent]) {
-                            None => (row - begin[parent]) as u32,
-                            Some(_) => (end[parent] - begin[parent] + parent_rows.binary_search(&row).ok()?) as u32,
-                        });
+        let mut supernodes: Vec<Supernode> = Vec::with_capacity(all.len());
+        let mut end = 0;
+        for (s, node) in all.iter().enumerate() {
+            let mut in_parent: Vec<Piece> = Vec::new();
+            if node.parent == NONE {
+                roots.push(s);
+            } else {
+                children[node.parent].push(s);
+                let parent = &all[node.parent];
+                let mut below = 0;
+                for (from, &row) in node.rows.iter().enumerate() {
+                    let to = match row.checked_sub(parent.columns.end) {
+                        None => row - parent.columns.start,
+                        Some(_) => {
+                            below += parent.rows[below..].iter().take_while(|&&other| other < row).count();
+                            parent.columns.len() + below
+                        }
+                    };
+                    match in_parent.last_mut() {
+                        Some(last) if last.to + last.length == to => last.length += 1,
+                        _ => in_parent.push(Piece { from, to, length: 1 }),
                     }
-                    children[parent].push(s);
                 }
             }
             let children = std::mem::take(&mut children[s]);
-            let mut next = s;
-            for &child in children.iter().rev() {
-                if child + 1 != next {
-                    return None;
-                }
-                next = first[child];
-            }
-            first[s] = next;
+            let (width, below) = (node.columns.len(), node.rows.len());
             let own: f64 = (below + 1..=below + width).map(|rows| (rows * rows) as f64).sum();
-            let work = own + children.iter().map(|&child| supernodes[child].work).sum::<f64>();
-            let subtree_start = start[next];
+            let panel = end..end + width * (width + below);
+            end = panel.end;
             supernodes.push(Supernode {
-                width,
-                below,
-                panel: start[s]..start[s + 1],
-                subtree_start,
+                columns: node.columns.clone(),
+                rows: node.rows.clone(),
+                subtree_start: children.first().map_or(panel.start, |&child| supernodes[child].subtree_start),
+                panel,
+                work: own + children.iter().map(|&child| supernodes[child].work).sum::<f64>(),
                 children,
                 in_parent,
                 entries: 0..0,
-                work,
             });
         }
-        let entries = place_entries(pattern, order, symbolic, &owner, &mut supernodes);
-        Some(Self { supernodes, roots, entries })
+        let entries = place_entries(pattern, &elimination.order, &mut supernodes);
+        let longest = supernodes.iter().map(|node| node.rows.len()).max().unwrap_or(0);
+        Self {
+            entries,
+            roots,
+            order: elimination.order.clone(),
+            factor: vec![0.0; end],
+            spare: Mutex::default(),
+            right: vec![0.0; pattern.size()],
+            part: vec![0.0; longest],
+            supernodes,
+        }
     }
 
-    /// Writes the factor of the matrix with these `values` into the panels. Returns whether it is positive definite.
-    pub(super) fn factorise(&self, values: &[f64], factor: &mut [f64]) -> bool {
+    /// Factorises the matrix with these `values`. Returns whether it is positive definite.
+    pub(super) fn factorise(&mut self, values: &[f64]) -> bool {
+        let mut factor = std::mem::take(&mut self.factor);
         let run = Run { fronts: self, values, failed: AtomicBool::new(false) };
-        run.subtrees(&self.roots, factor, 0);
-        !run.failed.into_inner()
+        run.subtrees(&self.roots, &mut factor, 0);
+        let failed = run.failed.into_inner();
+        self.factor = factor;
+        !failed
+    }
+
+    /// Replaces `x` by A⁻¹x for the matrix A that was factorised last.
+    pub(super) fn solve(&mut self, x: &mut [f64]) {
+        let Self { supernodes, order, factor, right, part, .. } = self;
+        order.iter().zip(right.iter_mut()).for_each(|(&unknown, at)| *at = x[unknown]);
+        for node in supernodes.iter() {
+            let (top, bottom) = node.factor(factor);
+            let (width, below) = node.size();
+            let mut here = MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
+            solve_lower_triangular_in_place(top, here.rb_mut(), Par::Seq);
+            let part = &mut part[..below];
+            matmul(MatMut::from_column_major_slice_mut(part, below, 1), Accum::Replace, bottom, here.rb(), 1.0, Par::Seq);
+            node.rows.iter().zip(part).for_each(|(&row, value)| right[row] -= *value);
+        }
+        for node in supernodes.iter().rev() {
+            let (top, bottom) = node.factor(factor);
+            let (width, below) = node.size();
+            let part = &mut part[..below];
+            node.rows.iter().zip(part.iter_mut()).for_each(|(&row, value)| *value = right[row]);
+            let mut here = MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
+            let part = MatRef::from_column_major_slice(part, below, 1);
+            matmul(here.rb_mut(), Accum::Add, bottom.transpose(), part, -1.0, Par::Seq);
+            solve_upper_triangular_in_place(top.transpose(), here, Par::Seq);
+        }
+        order.iter().zip(right.iter()).for_each(|(&unknown, at)| x[unknown] = *at);
+    }
+}
+
+impl Supernode {
+    /// Adds what it left to `columns` of its parent's front, of which `out` holds the last `height` rows.
+    fn add_to_parent(&self, left: &[f64], columns: Range<usize>, out: &mut [f64], height: usize) {
+        let below = self.rows.len();
+        // Rows of the front above those in `out`: all that is stored begins with the first column's diagonal.
+        let above = columns.start;
+        for (p, piece) in self.in_parent.iter().enumerate() {
+            for k in 0..piece.length {
+                if !columns.contains(&(piece.to + k)) {
+                    continue;
+                }
+                let out = &mut out[(piece.to + k - above) * height..][..height];
+                let left = &left[(piece.from + k) * below..][..below];
+                let mut add = |from: usize, to: usize, length: usize| {
+                    out[to - above..][..length].iter_mut().zip(&left[from..][..length]).for_each(|(out, left)| *out += left);
+                };
+                add(piece.from + k, piece.to + k, piece.length - k);
+                self.in_parent[p + 1..].iter().for_each(|piece| add(piece.from, piece.to, piece.length));
+            }
+        }
+    }
+
+    /// Its part of the factor: its columns' triangle, and the rows below it.
+    fn factor<'a>(&self, factor: &'a [f64]) -> (MatRef<'a, f64>, MatRef<'a, f64>) {
+        let (width, below) = self.size();
+        MatRef::from_column_major_slice(&factor[self.panel.clone()], width + below, width).split_at_row(width)
     }
 }
 
 /// Sorts the entries of the matrix by supernode and finds their places in the panels.
-fn place_entries(
-    pattern: &SymmetricPattern,
-    order: PermRef<'_, usize>,
-    symbolic: &SymbolicSupernodalCholesky<usize>,
-    owner: &[usize],
-    supernodes: &mut [Supernode],
-) -> Vec<(u32, u32)> {
-    let place = order.arrays().1;
-    let begin = symbolic.supernode_begin();
-    let mut count = vec![0; supernodes.len() + 1];
+fn place_entries(pattern: &SymmetricPattern, order: &[usize], supernodes: &mut [Supernode]) -> Vec<(u32, u32)> {
+    let n = order.len();
+    let mut place = vec![0; n];
+    order.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = k);
+    let all = || (0..n).flat_map(|column| (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot)));
     let at = |column: usize, slot: usize| {
         let (p, q) = (place[column], place[pattern.rows[slot]]);
         (p.min(q), p.max(q))
     };
-    let all =
-        || (0..pattern.size()).flat_map(|column| (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot)));
-    for (column, slot) in all() {
-        count[owner[at(column, slot).0] + 1] += 1;
-    }
-    for s in 0..supernodes.len() {
-        count[s + 1] += count[s];
-        supernodes[s].entries = count[s]..count[s + 1];
-    }
+    // Entries by column: first the slot and the row, then, supernode after supernode, the place in the panel for the row.
+    let mut end = vec![0; n + 1];
+    all().for_each(|(column, slot)| end[at(column, slot).0 + 1] += 1);
+    (0..n).for_each(|k| end[k + 1] += end[k]);
+    let begin = end.clone();
     let mut entries = vec![(0, 0); pattern.entry_count()];
     for (column, slot) in all() {
         let (column, row) = at(column, slot);
-        let s = owner[column];
-        let (width, height) = (supernodes[s].width, supernodes[s].width + supernodes[s].below);
-        let row = match row.checked_sub(begin[s] + width) {
-            None => row - begin[s],
-            Some(_) => width + symbolic.supernode(s).pattern().binary_search(&row).expect("the factor has the matrix's entries"),
-        };
-        entries[count[s]] = (slot as u32, (row + (column - begin[s]) * height) as u32);
-        count[s] += 1;
+        entries[end[column]] = (slot as u32, row as u32);
+        end[column] += 1;
+    }
+    let mut in_front = vec![0; n];
+    for node in supernodes {
+        let (width, below) = node.size();
+        let rows = node.columns.clone().chain(node.rows.iter().copied());
+        rows.enumerate().for_each(|(k, row)| in_front[row] = k);
+        for (k, column) in node.columns.clone().enumerate() {
+            for entry in &mut entries[begin[column]..begin[column + 1]] {
+                entry.1 = (in_front[entry.1 as usize] + k * (width + below)) as u32;
+            }
+        }
+        node.entries = begin[node.columns.start]..begin[node.columns.end];
     }
     entries
 }
@@ -188,41 +271,44 @@ impl Run<'_> {
         if self.failed.load(Ordering::Relaxed) {
             return Vec::new();
         }
-        let (width, below, height) = (node.width, node.below, node.width + node.below);
+        let (width, below) = node.size();
+        let height = width + below;
         panel.fill(0.0);
         for &(slot, place) in &self.fronts.entries[node.entries.clone()] {
             panel[place as usize] += self.values[slot as usize];
         }
         for (&child, left) in node.children.iter().zip(&left) {
-            let rows = &self.fronts.supernodes[child].in_parent;
-            for (j, &column) in rows.iter().enumerate().take_while(|(_, column)| (**column as usize) < width) {
-                let out = &mut panel[column as usize * height..][..height];
-                add_to(out, &rows[j..], &left[j * rows.len() + j..][..rows.len() - j], 0);
-            }
+            self.fronts.supernodes[child].add_to_parent(left, 0..width, panel, height);
         }
         let mut panel = MatMut::from_column_major_slice_mut(panel, height, width);
         if !factorise_panel(panel.rb_mut()) {
             self.failed.store(true, Ordering::Relaxed);
             return Vec::new();
         }
-        let mut rest = vec![0.0; below * below];
-        subtract_square(MatMut::from_column_major_slice_mut(&mut rest, below, below), panel.rb().split_at_row(width).1);
+        let mut rest = self.room(below * below);
+        let square = MatMut::from_column_major_slice_mut(&mut rest, below, below);
+        subtract_square(square, Accum::Replace, panel.rb().split_at_row(width).1);
         for (&child, left) in node.children.iter().zip(&left) {
-            let rows = &self.fronts.supernodes[child].in_parent;
-            let inside = rows.partition_point(|&row| (row as usize) < width);
-            for (j, &column) in rows.iter().enumerate().skip(inside) {
-                let out = &mut rest[(column as usize - width) * below..][..below];
-                add_to(out, &rows[j..], &left[j * rows.len() + j..][..rows.len() - j], width);
-            }
+            self.fronts.supernodes[child].add_to_parent(left, width..height, &mut rest, below);
         }
+        left.into_iter().for_each(|left| self.give_back(left));
         rest
     }
-}
 
-/// `out[row − shift] += value` for all `rows` and their `values`.
-fn add_to(out: &mut [f64], rows: &[u32], values: &[f64], shift: usize) {
-    for (&row, value) in rows.iter().zip(values) {
-        out[row as usize - shift] += value;
+    /// Memory with any values.
+    fn room(&self, length: usize) -> Vec<f64> {
+        let spare = if length <= SMALL { self.fronts.spare.lock().ok().and_then(|mut spare| spare.pop()) } else { None };
+        let mut room = spare.unwrap_or_default();
+        room.resize(length, 0.0);
+        room
+    }
+
+    fn give_back(&self, room: Vec<f64>) {
+        if (1..=SMALL).contains(&room.len())
+            && let Ok(mut spare) = self.fronts.spare.lock()
+        {
+            spare.push(room);
+        }
     }
 }
 
@@ -248,20 +334,20 @@ fn factorise_panel(panel: MatMut<'_, f64>) -> bool {
         return true;
     }
     let mut after = after.rb_mut().split_at_row_mut(block).1;
-    subtract_square(after.rb_mut(), bottom.rb());
+    subtract_square(after.rb_mut(), Accum::Add, bottom.rb());
     factorise_panel(after)
 }
 
-/// `out −= l·lᵀ` on the lower triangle of as many columns as `out` has; what is above it is not touched or meaningless.
-fn subtract_square(out: MatMut<'_, f64>, l: MatRef<'_, f64>) {
+/// `out −= l·lᵀ`, or `out = −l·lᵀ`, on the lower triangle of as many columns as `out` has; what is above it is not touched or meaningless.
+fn subtract_square(out: MatMut<'_, f64>, accum: Accum, l: MatRef<'_, f64>) {
     let one = |(first, out): (usize, MatMut<'_, f64>)| {
         let l = l.split_at_row(first).1;
         let (across, low) = l.split_at_row(out.ncols());
         let (top, rest) = out.split_at_row_mut(across.nrows());
         let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        triangular::matmul(top, lower, Accum::Add, across, full, across.transpose(), full, -1.0, Par::Seq);
+        triangular::matmul(top, lower, accum, across, full, across.transpose(), full, -1.0, Par::Seq);
         if low.nrows() > 0 {
-            matmul(rest, Accum::Add, low, across.transpose(), -1.0, Par::Seq);
+            matmul(rest, accum, low, across.transpose(), -1.0, Par::Seq);
         }
     };
     if out.ncols() <= BLOCK {

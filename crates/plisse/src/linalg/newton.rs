@@ -8,6 +8,7 @@
 //! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put them right.
 
 use super::cholesky::Cholesky;
+use super::elimination::Groups;
 use super::saddle::downward;
 pub use super::small::Convexity;
 use super::sparse::SymmetricPattern;
@@ -46,9 +47,8 @@ pub trait Problem: Send {
     fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
         None
     }
-    /// `[n]` a number for each unknown, the same for those that are better eliminated together (the coordinates of a vertex); `None` if that
-    /// is not known.
-    fn groups(&self) -> Option<Vec<usize>> {
+    /// Which unknowns are better eliminated together (the coordinates of a vertex) on the pattern as it is now; `None` if that is not known.
+    fn groups(&self) -> Option<Groups> {
         None
     }
     /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
@@ -121,7 +121,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
     let mut gradient = vec![0.0; n];
     let pattern = problem.pattern();
-    let (cholesky, mut energy) = rayon::join(|| Cholesky::for_many(pattern, groups.as_deref()), || problem.linearise(&x, &mut gradient));
+    let (cholesky, mut energy) = rayon::join(|| Cholesky::for_many(pattern, groups), || problem.linearise(&x, &mut gradient));
     let mut cholesky = cholesky?;
     let diagonal_of = |pattern: &SymmetricPattern| -> Vec<usize> { (0..n).map(|i| pattern.slot(i, i)).collect() };
     let mut diagonal = diagonal_of(cholesky.pattern());
@@ -153,7 +153,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         if let Some(pattern) = problem.changed_pattern() {
             diagonal = diagonal_of(&pattern);
             values.resize(pattern.entry_count(), 0.0);
-            cholesky = cholesky.again(pattern, groups.as_deref())?;
+            cholesky = cholesky.again(pattern, problem.groups())?;
         }
         // Bertsekas' ε: unknowns this near to their bound count as at it.
         let near = residual.min(1e-3);

@@ -10,6 +10,11 @@ pub struct SymmetricPattern {
 }
 
 impl SymmetricPattern {
+    /// That of no unknowns.
+    pub(crate) fn empty() -> Self {
+        Self { columns: vec![0], rows: Vec::new() }
+    }
+
     /// From the rows of each column (`[n]`, none above the diagonal, in any order, also more than once).
     pub(crate) fn from_columns(mut lists: Vec<Vec<usize>>) -> Self {
         let (mut columns, mut rows) = (vec![0], Vec::new());

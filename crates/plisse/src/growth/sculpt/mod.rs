@@ -2,9 +2,9 @@
 //! [Combaz & Neyret 2002]).
 //!
 //! A [`Sculpture`] owns a surface and all that is painted on it. A [`Dab`] changes the values under the brush; then the film around it, up
-//! to [`SculptOptions::margin`] wavelengths beyond, takes a few Newton steps from where it is. All outside are constants of that small
+//! to [`SculptOptions::near`] wavelengths beyond, takes a few Newton steps from where it is. All outside are constants of that small
 //! problem: they keep their place to the bit, and how many they are costs nothing. After a stroke, [`Sculpture::settle`] brings all that
-//! was touched to rest.
+//! was touched, and [`SculptOptions::margin`] wavelengths around it, to rest.
 //!
 //! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its stretching stiffness; weight is exact.
 
@@ -52,6 +52,8 @@ pub struct Painted {
 pub struct SculptOptions {
     /// How far beyond the brush the surface may move, in wavelengths.
     pub margin: f64,
+    /// How far beyond the brush it moves already while the brush is followed, in wavelengths; at most [`SculptOptions::margin`].
+    pub near: f64,
     /// Newton iterations after each dab.
     pub iterations: usize,
     /// Largest factor of length up to which a brush grows a place, and one over it the least.
@@ -60,7 +62,7 @@ pub struct SculptOptions {
 
 impl Default for SculptOptions {
     fn default() -> Self {
-        Self { margin: 1.25, iterations: 2, growth_limit: 4.0 }
+        Self { margin: 1.25, near: 0.75, iterations: 2, growth_limit: 4.0 }
     }
 }
 
@@ -241,6 +243,7 @@ impl Sculpture {
             dab.radius_m + self.brush.margin * margin,
         );
         let found = begun.elapsed().as_secs_f64();
+        let follows_m = dab.radius_m + self.follows() * margin;
         let mut painted: Vec<(usize, Painted)> = Vec::new();
         for &(v, distance) in &near {
             let (strength, old) = (dab.strength(distance), self.painted[v]);
@@ -250,7 +253,7 @@ impl Sculpture {
             }
         }
         painted.sort_unstable_by_key(|entry| entry.0);
-        self.follow_painted(painted, near, begun, found)
+        self.follow_painted(painted, near, follows_m, begun, found)
     }
 
     /// Gives each of these vertices (ascending) other values, and lets what lies around follow, as [`Sculpture::dab`] does.
@@ -270,25 +273,37 @@ impl Sculpture {
             return Ok((Change::default(), SculptReport::default()));
         }
         let widest = |most: f64, (v, to): &(usize, Painted)| most.max(self.painted[*v].wavelength_m).max(to.wavelength_m);
-        let margin = self.brush.margin * values.iter().fold(0.0, widest);
+        let wavelength_m = values.iter().fold(0.0, widest);
+        let (margin, follows_m) = (self.brush.margin * wavelength_m, self.follows() * wavelength_m);
         let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
         let seeds = values.iter().map(|entry| entry.0);
         let near = self.reach.around_all(seeds, |v| around[v].iter().map(|&f| faces[f]), |v| start[v], margin);
         let found = begun.elapsed().as_secs_f64();
         let painted = values.iter().map(|&(v, to)| (v, std::mem::replace(&mut self.painted[v], to))).collect();
-        self.follow_painted(painted, near, begun, found)
+        self.follow_painted(painted, near, follows_m, begun, found)
     }
 
-    /// Lets the vertices `near` what was painted follow; `painted` holds what was there before (ascending).
+    /// How far beyond the brush the surface follows it, in wavelengths.
+    fn follows(&self) -> f64 {
+        self.brush.near.min(self.brush.margin)
+    }
+
+    /// Lets the vertices `near` what was painted follow that are at most `follows_m` (m) away, and wakes all of them; `painted` holds what was
+    /// there before (ascending).
     fn follow_painted(
         &mut self,
         painted: Vec<(usize, Painted)>,
         near: Vec<(usize, f64)>,
+        follows_m: f64,
         begun: Instant,
         found: f64,
     ) -> Result<(Change, SculptReport)> {
-        let mut active: Vec<usize> = near.into_iter().map(|(v, _)| v).collect();
-        active.sort_unstable();
+        let ascending = |within_m: f64| {
+            let mut within: Vec<usize> = near.iter().filter(|near| near.1 <= within_m).map(|near| near.0).collect();
+            within.sort_unstable();
+            within
+        };
+        let active = ascending(follows_m);
         let effort = Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };
         let (moved, mut report) = match self.follow(&active, effort, &Silent) {
             Ok(followed) => followed,
@@ -299,7 +314,7 @@ impl Sculpture {
         };
         report.touched = painted.len();
         report.seconds[0] = found;
-        let woken: Vec<usize> = active.into_iter().filter(|v| self.awake.binary_search(v).is_err()).collect();
+        let woken: Vec<usize> = ascending(f64::INFINITY).into_iter().filter(|v| self.awake.binary_search(v).is_err()).collect();
         self.wake(&woken);
         report.seconds[3] = begun.elapsed().as_secs_f64();
         Ok((Change { poses: moved, painted, woken, calmed: Vec::new() }, report))

@@ -197,14 +197,20 @@ impl<'a> SelfContact<'a> {
     ) -> Vec<T> {
         let topology = self.topology;
         let faces: Vec<Aabb> = topology.faces.par_iter().with_min_len(CHUNK).map(|face| bounds(face)).collect();
+        let is_asked: Vec<bool> = (0..faces.len()).map(asked).collect();
+        // What is far from all that is asked needs no looking at.
+        let Some(around) = (0..faces.len()).filter(|&f| is_asked[f]).map(|f| faces[f]).reduce(|all, one| all.merged(&one)) else {
+            return Vec::new();
+        };
+        let here: Vec<usize> = (0..faces.len()).filter(|&f| faces[f].intersects(&around)).collect();
         let edges: Vec<Aabb> = topology.edges.par_iter().with_min_len(CHUNK).map(|edge| bounds(edge)).collect();
         let vertices: Vec<Aabb> = (0..self.start.len()).into_par_iter().with_min_len(CHUNK).map(|v| bounds(&[v])).collect();
-        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &faces);
+        let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &here.iter().map(|&f| faces[f]).collect::<Vec<_>>());
         let of_faces = |range: Range<usize>| -> Vec<T> {
             let (mut others, mut kept) = (Vec::new(), Vec::new());
-            for f in range.filter(|&f| asked(f)) {
+            for f in range.map(|n| here[n]).filter(|&f| is_asked[f]) {
                 others.clear();
-                others.extend(tree.intersect_aabb(&faces[f]).map(|g| g as usize).filter(|&g| g > f || !asked(g)));
+                others.extend(tree.intersect_aabb(&faces[f]).map(|n| here[n as usize]).filter(|&g| g > f || !is_asked[g]));
                 others.sort_unstable();
                 for &g in &others {
                     for (from, to) in [(f, g), (g, f)] {
@@ -229,7 +235,7 @@ impl<'a> SelfContact<'a> {
             }
             kept
         };
-        let count = topology.face_count();
+        let count = here.len();
         let parts: Vec<Vec<T>> =
             (0..count.div_ceil(CHUNK)).into_par_iter().map(|c| of_faces(c * CHUNK..count.min((c + 1) * CHUNK))).collect();
         parts.into_iter().flatten().collect()
