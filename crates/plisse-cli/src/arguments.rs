@@ -355,6 +355,9 @@ pub(crate) struct StudyArguments {
     /// Most vertices of a reference shell; finer ones are left out (13,000 take minutes each, 100,000 hours)
     #[arg(long, value_name = "N", default_value_t = 13_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(crate) shell_limit_vertices: u32,
+    /// Scenes of 'timing', by the numbers that their files begin with, such as 3,9 [default: all]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=11))]
+    pub(crate) scenes: Vec<u8>,
     /// Folder with published meshes and solutions (tfw-disk, cylinder-688) for a further table of 'timing'
     #[arg(long, value_name = "FOLDER")]
     pub(crate) data: Option<PathBuf>,

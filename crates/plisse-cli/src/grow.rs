@@ -300,7 +300,7 @@ fn write_meshes(folder: &mut OutputFolder, grown: &BuiltGrowth, pose: &[Vec3]) -
 /// The start with its expansion, the offset on it, what strain is left, and what has folded.
 fn picture(grown: &BuiltGrowth, asked: &RestMetric, pose: &[Vec3]) -> Result<Image> {
     let (topology, start) = (&grown.built.topology, &grown.built.start);
-    let longer: Vec<f64> = grown.expansion.vertices.iter().map(|growth| 100.0 * (growth.principal().0[0] - 1.0).max(0.0)).collect();
+    let longer: Vec<f64> = grown.maps.expansion.vertices.iter().map(|growth| 100.0 * (growth.principal().0[0] - 1.0).max(0.0)).collect();
     let offset: Vec<f64> = offsets_m(topology, start, pose)?.into_iter().map(|w| 1e3 * w).collect();
     let low = offset.iter().copied().fold(f64::INFINITY, f64::min);
     let raised: Vec<f64> = offset.iter().map(|w| w - low).collect();

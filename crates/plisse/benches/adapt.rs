@@ -24,7 +24,7 @@ fn scrunchy_with_rigid_bands(bencher: divan::Bencher) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/27-banded-scrunchy.toml");
     let grown = scene::build_growth(&scene::read(&file).unwrap()).unwrap();
     let growing = grown.growing();
-    let mut adapt = AdaptOptions::new(growing.wavelength_m[0] / EDGES[0]);
+    let mut adapt = AdaptOptions::new(growing.maps.wavelength_m[0] / EDGES[0]);
     (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.curving) = (EDGES[0], EDGES[1], Curving::Start);
     adapt.finish_iterations = FINISH;
     bencher.bench_local(|| {

@@ -38,7 +38,7 @@ fn folds(topology: &Topology, start: &[Vec3], pose: &[Vec3], asked: &RestMetric)
 
 fn adapted<'a>(growing: &Growing<'a>, adapt: &AdaptOptions) -> (Surface<'a>, RestMetric) {
     let options = GrowthOptions::default();
-    let parts = options.parts(growing.most_growth());
+    let parts = options.parts(growing.maps.most_growth());
     let (surface, report) = grow_adapting(growing, None, &parts, &options, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
     let last = report.meshes.last().unwrap();
     assert!(last.vertices == surface.pose.len() && last.residual <= options.tolerance, "{:?}", report.meshes);
@@ -80,13 +80,13 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
     // What it carries went with it: the form is what the map says, the boundary stays to the bit.
     let boundary = surface.topology.boundary_vertices();
     for (v, p) in surface.start.iter().enumerate() {
-        let ([most, least], [along, _]) = surface.expansion.vertices[v].principal();
+        let ([most, least], [along, _]) = surface.maps.expansion.vertices[v].principal();
         if p.y <= 0.25 {
             assert!((most - 1.3).abs() < 1e-9 && (least - 1.0).abs() < 1e-9 && along.cross(&Vec3::x()).norm() < 1e-6, "{v}");
         }
-        assert_eq!(boundary[v], surface.frozen[v] == [true; 3]);
+        assert_eq!(boundary[v], surface.maps.frozen[v] == [true; 3]);
         assert!(!boundary[v] || surface.pose[v] == *p);
-        assert!((surface.places[v] - p).norm() < 1e-12 && (surface.wavelength_m[v] - WAVELENGTH_M).abs() < 1e-15);
+        assert!((surface.places[v] - p).norm() < 1e-12 && (surface.maps.wavelength_m[v] - WAVELENGTH_M).abs() < 1e-15);
     }
     assert!((surface.rest.area_m2() - 0.5).abs() < 1e-9);
 }

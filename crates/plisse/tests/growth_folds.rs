@@ -149,7 +149,7 @@ fn growing_by_one_changes_nothing_to_the_bit() {
     // The rest shape is the starting surface.
     let rest = plisse::rest::RestMetric::from_shape("start", &square.sheet.pose, &square.sheet.topology.faces).unwrap();
     growing.rest = &rest;
-    growing.bias = vec![0.1; growing.bias.len()];
+    growing.maps.bias = vec![0.1; growing.maps.bias.len()];
     let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     assert_eq!(pose, square.sheet.pose);
     assert_eq!(report.asked, rest);
@@ -211,18 +211,18 @@ fn what_cannot_be_folded_is_named() {
         grow(&growing, &GrowthOptions::default(), &Silent).unwrap_err().to_string()
     };
     assert!(told(&|_| ()).contains("refine the mesh or ask for wider folds"));
-    assert!(told(&|g| g.frozen.fill([true; 3])).contains("every vertex is frozen"));
-    assert!(told(&|g| g.wavelength_m[7] = 0.0).contains("growth.wavelength_m: it is 0 at vertex 7"));
-    assert!(told(&|g| g.coherence_m[7] = f64::NAN).contains("growth.coherence_m"));
-    assert!(told(&|g| g.stickiness[2] = -1.0).contains("vertex 2"));
-    assert!(told(&|g| g.bias.truncate(3)).contains("give one for each"));
+    assert!(told(&|g| g.maps.frozen.fill([true; 3])).contains("every vertex is frozen"));
+    assert!(told(&|g| g.maps.wavelength_m[7] = 0.0).contains("growth.wavelength_m: it is 0 at vertex 7"));
+    assert!(told(&|g| g.maps.coherence_m[7] = f64::NAN).contains("growth.coherence_m"));
+    assert!(told(&|g| g.maps.stickiness[2] = -1.0).contains("vertex 2"));
+    assert!(told(&|g| g.maps.bias.truncate(3)).contains("give one for each"));
 }
 
 #[test]
 fn what_sticks_folds_out_only() {
     let square = Square::new(lattice(21, 10), 1.2, 3.0, 2.0);
     let mut growing = square.growing();
-    growing.stickiness.fill(100.0);
+    growing.maps.stickiness.fill(100.0);
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let (low, high) = pose.iter().fold((0.0_f64, 0.0_f64), |(l, h), p| (l.min(p.z), h.max(p.z)));
     assert!(high > 0.1 * square.wavelength_m && -low < 0.1 * high, "{low} {high}");
@@ -251,7 +251,7 @@ fn the_seed_chooses_the_folds_and_the_bias_their_side() {
     assert_ne!(of(1), of(2));
     let middle = |bias: f64| {
         let mut growing = square.growing();
-        growing.bias.fill(bias);
+        growing.maps.bias.fill(bias);
         let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
         pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64
     };
@@ -271,7 +271,7 @@ fn obstacles_and_frozen_axes_are_kept_and_weight_pulls() {
     let level: Vec<usize> = (0..free.len()).filter(|&v| (square.sheet.pose[v].x - 0.5).abs() < 0.03).collect();
     assert!(level.iter().any(|&v| free[v].z.abs() > 1e-3));
     for &v in &level {
-        growing.frozen[v][2] = true;
+        growing.maps.frozen[v][2] = true;
     }
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     assert!(top(&pose) < 0.5 * top(&free) && top(&pose) > 0.1 * top(&free), "{} {}", top(&pose), top(&free));
@@ -300,7 +300,8 @@ fn folds_stay_where_a_narrow_band_grows() {
     let band = Procedure::Band { centre: Vec3::new(0.5, 0.5, 0.0), normal: Vec3::x(), width_m: 0.5, soft_m: 0.05 };
     let factors = band.map(&square.sheet.pose, 1.0, 1.3);
     let expansion = Expansion::from_directions(&square.sheet.topology, &square.sheet.pose, &vec![Vec3::x(); n], &factors).unwrap();
-    let growing = Growing { expansion, ..square.growing() };
+    let mut growing = square.growing();
+    growing.maps.expansion = expansion;
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let off = |v: usize| (square.sheet.pose[v].x - 0.5).abs();
     let high = |chosen: &dyn Fn(f64) -> bool| (0..n).filter(|&v| chosen(off(v))).map(|v| pose[v].z.abs()).fold(0.0, f64::max);
@@ -339,7 +340,7 @@ fn what_nothing_holds_finds_one_dome() {
         high - low
     };
     let (held, _) = grow(&growing, &options, &Silent).unwrap();
-    growing.hold.fill(0.0);
+    growing.maps.hold.fill(0.0);
     let (free, report) = grow(&growing, &options, &Silent).unwrap();
     let last = report.steps.last().unwrap();
     assert!(last.ending == Ending::Converged && last.residual <= options.tolerance, "{last:?}");

@@ -24,7 +24,7 @@ fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
     let pose = if growth == 1.0 {
         sheet.pose.clone()
     } else {
-        grow_through(&growing, &options.parts(growing.most_growth()), &sheet.pose, &options, &Silent).unwrap().0
+        grow_through(&growing, &options.parts(growing.maps.most_growth()), &sheet.pose, &options, &Silent).unwrap().0
     };
     let sculpture = Sculpture::new(&growing, pose, options, SculptOptions::default()).unwrap();
     (sheet, sculpture)

@@ -96,7 +96,7 @@ fn every_growing_example_can_grow_and_counts_its_folds() {
         let grown = build_growth(&read(examples().join(name)).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         let count = grown.built.topology.vertex_count;
         assert!(count.abs_diff(vertices) * 10 <= vertices, "{name}: {count} vertices, not about {vertices}");
-        assert!(grown.growing().most_growth() > 0.1, "{name}");
+        assert!(grown.maps.most_growth() > 0.1, "{name}");
         // Ungrown, the surface is flat, and the windows lie on it.
         let flat = grown.count(&grown.built.start, &grown.built.rest).unwrap();
         // Domes (29, 30) are no folds to count.

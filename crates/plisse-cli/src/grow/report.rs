@@ -125,7 +125,7 @@ impl Report {
             },
             vertices: built.topology.vertex_count,
             faces: built.topology.face_count(),
-            frozen_vertices: grown.frozen.iter().filter(|axes| axes.contains(&true)).count(),
+            frozen_vertices: grown.maps.frozen.iter().filter(|axes| axes.contains(&true)).count(),
             area_start_m2: area(&built.start),
             area_asked_m2: found.asked.area_m2(),
             area_m2: area(pose),

@@ -43,6 +43,8 @@ pub(crate) struct Study<'a> {
     interrupted: &'a AtomicBool,
     folder: OutputFolder,
     pub(crate) quick: bool,
+    /// Numbers of the scenes of [`timing`]; all if there are none.
+    scenes: Vec<u8>,
     /// Most vertices of a reference shell.
     pub(crate) shell_limit: usize,
     /// Published meshes and solutions.
@@ -75,6 +77,7 @@ pub(crate) fn run(arguments: &StudyArguments, interrupted: &AtomicBool) -> Resul
                 interrupted,
                 folder: OutputFolder::create(&arguments.output)?,
                 quick: arguments.quick,
+                scenes: arguments.scenes.clone(),
                 shell_limit: arguments.shell_limit_vertices as usize,
                 data: arguments.data.clone(),
                 document: begin(name, title, arguments),
@@ -123,6 +126,10 @@ fn command(name: &str, arguments: &StudyArguments) -> String {
         command += " --quick";
     }
     command += &format!(" --shell-limit-vertices {}", arguments.shell_limit_vertices);
+    if !arguments.scenes.is_empty() {
+        let numbers: Vec<String> = arguments.scenes.iter().map(u8::to_string).collect();
+        command += &format!(" --scenes {}", numbers.join(","));
+    }
     if let Some(data) = &arguments.data {
         command += &format!(" --data {}", data.display());
     }
@@ -157,6 +164,11 @@ impl Study<'_> {
         self.folder.commit()?;
         let _ = std::io::stdout().write_all(markdown.as_bytes());
         Ok(document)
+    }
+
+    /// Whether the scene of this number is asked for.
+    pub(crate) fn has_scene(&self, number: usize) -> bool {
+        self.scenes.is_empty() || self.scenes.iter().any(|&scene| usize::from(scene) == number)
     }
 
     /// Ends the study if the user wants that.

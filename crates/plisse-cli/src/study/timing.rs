@@ -68,9 +68,9 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 }
 
 /// The scenes of this study.
-fn each(quick: bool) -> Result<Vec<(&'static Published, Scene)>, Stop> {
+fn each(study: &Study<'_>) -> Result<Vec<(&'static Published, Scene)>, Stop> {
     let mut list = Vec::new();
-    for published in PUBLISHED.iter().filter(|published| !quick || published.scene <= 3) {
+    for published in PUBLISHED.iter().filter(|published| study.has_scene(published.scene) && (!study.quick || published.scene <= 3)) {
         if let Some(scene) = scenes::numbered(published.scene)? {
             list.push((published, if published.scene == 1 { with_waves_at_half_height(scene) } else { scene }));
         }
@@ -100,7 +100,7 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
             "ratio",
         ],
     );
-    for (published, scene) in each(study.quick)? {
+    for (published, scene) in each(study)? {
         let outcome = scene::build(&scene).map_err(Stop::from).and_then(|built| timed(study, built));
         let Some((solution, base_seconds, field_seconds)) = study.or_note(&scene.title, outcome)? else { continue };
         let theirs = published.here.map(|(_, field)| field).or(published.field.map(|(_, seconds)| seconds));
@@ -157,7 +157,7 @@ fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
             "published ratio",
         ],
     );
-    for (published, scene) in each(study.quick)? {
+    for (published, scene) in each(study)? {
         let Some(equal) = published.shell_vertices else { continue };
         let limit = if study.quick { study.shell_limit.min(500) } else { study.shell_limit };
         let what = format!("{}, reference shell", scene.title);

@@ -227,7 +227,7 @@ impl Follower {
             step = report.step;
         }
         let growing = self.sculpture.growing();
-        let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+        let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
         let pose = self.sculpture.pose().to_vec();
         let solid = Arc::new(grow::look(growing.topology, &asked, &pose));
         let seconds = begun.elapsed().as_secs_f64();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use plisse::growth::expansion::Growth;
-use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
+use plisse::growth::{Expansion, Growing, GrowthMaps, GrowthOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
 use plisse::mesh::{Mat2, Topology, Vec3};
 use plisse::progress::Observer;
 use plisse::rest::RestMetric;
@@ -38,10 +38,7 @@ pub struct Painted {
     topology: Topology,
     rest: RestMetric,
     start: Vec<Vec3>,
-    expansion: Expansion,
-    wavelength_m: Vec<f64>,
-    coherence_m: Vec<f64>,
-    frozen: Vec<[bool; 3]>,
+    maps: GrowthMaps,
     /// `[V]` what stays where it is whatever is painted.
     pub(super) held: Vec<bool>,
     pub(super) options: GrowthOptions,
@@ -49,12 +46,7 @@ pub struct Painted {
 
 impl Painted {
     pub(super) fn growing(&self) -> Growing<'_> {
-        Growing {
-            wavelength_m: self.wavelength_m.clone(),
-            coherence_m: self.coherence_m.clone(),
-            frozen: self.frozen.clone(),
-            ..Growing::new(&self.topology, &self.rest, &self.start, self.expansion.clone(), 1.0, 0.0)
-        }
+        Growing::with(&self.topology, &self.rest, &self.start, self.maps.clone())
     }
 }
 
@@ -203,13 +195,16 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
     };
     let numbers: Vec<Numbers> = (0..start.len()).map(|v| Numbers::of(&document.layers, v)).collect();
     let frames = Expansion::none(&topology, &start)?;
+    let expansion = Expansion { vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect() };
     let settings = &document.settings;
     let (young_pa, poisson) = subject.scene.as_ref().map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
     Ok(Painted {
-        expansion: Expansion { vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect() },
-        wavelength_m: numbers.iter().map(|n| n.wavelength_m(settings.fold_spacing_m)).collect(),
-        coherence_m: numbers.iter().map(|n| n.coherence_m(settings.coherence_m)).collect(),
-        frozen: numbers.iter().zip(&held).map(|(n, held)| [n.frozen() || *held; 3]).collect(),
+        maps: GrowthMaps {
+            wavelength_m: numbers.iter().map(|n| n.wavelength_m(settings.fold_spacing_m)).collect(),
+            coherence_m: numbers.iter().map(|n| n.coherence_m(settings.coherence_m)).collect(),
+            frozen: numbers.iter().zip(&held).map(|(n, held)| [n.frozen() || *held; 3]).collect(),
+            ..GrowthMaps::even(expansion, 1.0, 0.0)
+        },
         held,
         options: GrowthOptions { young_pa, poisson, ..GrowthOptions::default() },
         topology,
@@ -226,7 +221,7 @@ pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
     let growing = plan.growing();
     let (parts, adapt) = match plan {
         Plan::Scene(built) => (built.parts(None), built.adapt.as_ref()),
-        Plan::Painted(sheet) => (sheet.options.parts(growing.most_growth()), None),
+        Plan::Painted(sheet) => (sheet.options.parts(growing.maps.most_growth()), None),
     };
     reporter.stage("growth", Some(0.0));
     let mut done = 0;

@@ -125,7 +125,7 @@ pub struct GrowthReport {
 /// # Errors
 /// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be; [`crate::Error::Numeric`] if a step has no finite energy.
 pub fn grow(growing: &Growing<'_>, options: &GrowthOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, GrowthReport)> {
-    grow_through(growing, &options.parts(growing.most_growth()), growing.start, options, observer)
+    grow_through(growing, &options.parts(growing.maps.most_growth()), growing.start, options, observer)
 }
 
 /// Goes through these `parts` of the growth, one after the other, from `pose` (`[V]`, m) on. Parts may fall again: 0 is the ungrown surface.
@@ -163,7 +163,7 @@ pub fn grow_each(
     let choosing = choosing_part(growing, options);
     let exactly = |n: usize, part: f64| n + 1 == parts.len() || part <= choosing;
     for (n, &part) in parts.iter().enumerate() {
-        let expansion = growing.expansion.part(part);
+        let expansion = growing.maps.expansion.part(part);
         let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
         let effort = if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
@@ -178,13 +178,13 @@ pub fn grow_each(
             break;
         }
     }
-    let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+    let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
     Ok((pose, GrowthReport { steps, asked, seconds: begun.elapsed().as_secs_f64() }))
 }
 
 /// Part of the growth up to which the pattern of folds is chosen.
 pub(super) fn choosing_part(growing: &Growing<'_>, options: &GrowthOptions) -> f64 {
-    CHOOSING * options.onset() / growing.most_growth().max(f64::MIN_POSITIVE)
+    CHOOSING * options.onset() / growing.maps.most_growth().max(f64::MIN_POSITIVE)
 }
 
 /// Plasticity (4.5): l₀ becomes (1 − ε)l₀ + εl, kept as a factor of each edge.

@@ -1,7 +1,7 @@
 //! A surface that is to grow: all that is asked of it, and whether that can be.
 
-use super::bands::check_bands;
 use super::expansion::Expansion;
+use super::maps::GrowthMaps;
 use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::{Topology, Vec3};
 use crate::obstacle::Obstacle;
@@ -23,22 +23,8 @@ pub struct Growing<'a> {
     pub start: &'a [Vec3],
     /// `[V]` places (m) from which imperfections are drawn: the starting surface, or its rest shape, so that they move with it.
     pub places: Vec<Vec3>,
-    /// How it grows.
-    pub expansion: Expansion,
-    /// `[V]` spacing λ (m) of the folds, as seen on the starting surface.
-    pub wavelength_m: Vec<f64>,
-    /// `[V]` coherence length Λ (m): how far crests run straight; 0 leaves only what the film's own stiffness gives.
-    pub coherence_m: Vec<f64>,
-    /// `[V]` offset that the surface prefers, in wavelengths: positive pushes folds out along the normals (k_pi of eq. 5).
-    pub bias: Vec<f64>,
-    /// `[V]` how much harder than out the surface goes in (no unit): 0 for folds both ways, 100 for what sticks to a hard ground.
-    pub stickiness: Vec<f64>,
-    /// `[V]` how much of the foundation there is (no unit): 1 as λ asks, 0 for a surface that nothing holds to its start.
-    pub hold: Vec<f64>,
-    /// `[V]` axes along which each vertex is frozen.
-    pub frozen: Vec<[bool; 3]>,
-    /// Sets of vertices that move as one.
-    pub bands: Vec<Vec<usize>>,
+    /// How each vertex grows, and folds while it does.
+    pub maps: GrowthMaps,
     /// What pushes.
     pub loads: Loads,
     /// Bodies that no vertex enters.
@@ -59,20 +45,17 @@ impl<'a> Growing<'a> {
         wavelength_m: f64,
         coherence_m: f64,
     ) -> Self {
-        let n = start.len();
+        Self::with(topology, rest, start, GrowthMaps::even(expansion, wavelength_m, coherence_m))
+    }
+
+    /// A surface with these maps, without loads or obstacles, kept from passing through itself.
+    pub fn with(topology: &'a Topology, rest: &'a RestMetric, start: &'a [Vec3], maps: GrowthMaps) -> Self {
         Self {
             topology,
             rest,
             start,
             places: start.to_vec(),
-            expansion,
-            wavelength_m: vec![wavelength_m; n],
-            coherence_m: vec![coherence_m; n],
-            bias: vec![0.0; n],
-            stickiness: vec![0.0; n],
-            hold: vec![1.0; n],
-            frozen: vec![[false; 3]; n],
-            bands: Vec::new(),
+            maps,
             loads: Loads::default(),
             obstacles: &[],
             contact_thickness_m: 1e-3,
@@ -82,17 +65,11 @@ impl<'a> Growing<'a> {
 
     /// Freezes all axes of the vertices for which `choose` (vertex, place in m) says so.
     pub fn freeze(&mut self, choose: impl Fn(usize, &Vec3) -> bool) {
-        for (v, frozen) in self.frozen.iter_mut().enumerate() {
+        for (v, frozen) in self.maps.frozen.iter_mut().enumerate() {
             if choose(v, &self.start[v]) {
                 *frozen = [true; 3];
             }
         }
-    }
-
-    /// Largest logarithm of a factor of length that is asked for, up or down.
-    pub fn most_growth(&self) -> f64 {
-        let log = |v: &super::expansion::Growth| v.principal().0.map(|factor| factor.ln().abs()).into_iter().fold(0.0, f64::max);
-        self.expansion.vertices.iter().map(log).fold(0.0, f64::max)
     }
 
     /// Mean length (m) of the edges of the starting surface.
@@ -105,7 +82,7 @@ impl<'a> Growing<'a> {
     fn side_across_folds_m(&self, f: usize) -> f64 {
         let face = self.topology.faces[f];
         let across = |v: usize, side: &Vec3| {
-            let ([most, least], [along, _]) = self.expansion.vertices[v].principal();
+            let ([most, least], [along, _]) = self.maps.expansion.vertices[v].principal();
             if most <= 1.0 + 1e-9 {
                 return 0.0;
             }
@@ -133,7 +110,7 @@ impl<'a> Growing<'a> {
         self.check_maps()?;
         for (f, face) in self.topology.faces.iter().enumerate() {
             let side_m = self.side_across_folds_m(f);
-            let wavelength = face.iter().map(|&v| self.wavelength_m[v]).sum::<f64>() / 3.0;
+            let wavelength = face.iter().map(|&v| self.maps.wavelength_m[v]).sum::<f64>() / 3.0;
             if wavelength < LEAST_EDGES * side_m {
                 let message = format!(
                     "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
@@ -160,22 +137,7 @@ impl<'a> Growing<'a> {
     /// As [`Growing::check_painted`], but faces may be of any size.
     pub(super) fn check_maps(&self) -> Result<()> {
         let n = self.topology.vertex_count;
-        let map = |name: &str, values: &[f64], allowed: fn(f64) -> bool, mend: &str| match values.iter().position(|&x| !allowed(x)) {
-            Some(v) => Err(Error::value(format!("growth.{name}"), format!("it is {} at vertex {v}; {mend}", values[v]))),
-            None if values.len() == n => Ok(()),
-            None => {
-                Err(Error::value(format!("growth.{name}"), format!("it has {} values; give one for each of {n} vertices", values.len())))
-            }
-        };
-        map("wavelength_m", &self.wavelength_m, |x| x.is_finite() && x > 0.0, "give a positive number of metres")?;
-        map("coherence_m", &self.coherence_m, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number of metres")?;
-        map("bias", &self.bias, |x| x.is_finite() && x.abs() <= 1.0, "give a share of the wavelength from -1 to 1")?;
-        map("stickiness", &self.stickiness, |x| x.is_finite() && x >= 0.0, "give 0 or a positive number")?;
-        check_bands(&self.bands, &self.frozen)?;
-        map("hold", &self.hold, |x| x.is_finite() && x >= 0.0, "give 0, 1 or another positive number")?;
-        if self.frozen.iter().flatten().all(|&frozen| frozen) {
-            return Err(Error::value("growth.freeze", "every vertex is frozen, so nothing can fold; leave some free"));
-        }
+        self.maps.check(n)?;
         if let Some(v) = (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0)) {
             return Err(Error::mesh("growth", format!("vertex {v} of the starting surface is inside an obstacle; move it out")));
         }

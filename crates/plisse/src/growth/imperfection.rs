@@ -24,7 +24,7 @@ const PASSES: usize = 2;
 /// # Errors
 /// [`Error::Numeric`] if the matrix is not positive definite, as on a mesh with very bad triangles.
 pub(super) fn band_limited(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64], seed: u64) -> Result<Vec<f64>> {
-    let lump = |v: usize| LUMP * growing.wavelength_m[v];
+    let lump = |v: usize| LUMP * growing.maps.wavelength_m[v];
     let mut rough: Vec<f64> = (0..area_m2.len()).map(|v| roughness(&growing.places[v], lump(v), seed)).collect();
     let before = size(&rough, area_m2);
     take_long_waves(growing, surface, area_m2, &mut rough)?;
@@ -41,7 +41,7 @@ fn take_long_waves(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64],
     let pattern = SymmetricPattern::from_elements(n, growing.topology.faces.iter().map(|face| &face[..]));
     let mut values = vec![0.0; pattern.entry_count()];
     for (face, rest) in growing.topology.faces.iter().zip(&surface.faces) {
-        let reach_m = face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / (3.0 * TAU);
+        let reach_m = face.iter().map(|&v| growing.maps.wavelength_m[v]).sum::<f64>() / (3.0 * TAU);
         let slopes = rest.barycentric_gradients();
         for k in 0..3 {
             for l in 0..=k {

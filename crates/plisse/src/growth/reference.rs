@@ -123,20 +123,21 @@ pub fn grow_by_forces_each(
     each: &mut dyn FnMut(&LevelReport, &[Vec3]) -> Result<()>,
 ) -> Result<(Vec<Vec3>, ReferenceReport)> {
     let begun = Instant::now();
-    let wavelength_m = growing.wavelength_m[0];
-    if growing.wavelength_m.iter().any(|&w| w != wavelength_m) {
+    let wavelength_m = growing.maps.wavelength_m[0];
+    if growing.maps.wavelength_m.iter().any(|&w| w != wavelength_m) {
         return Err(Error::value(
             "growth.wavelength_m",
             "the reference mode takes one for the whole surface; give a number, or use the other mode",
         ));
     }
-    if !growing.obstacles.is_empty() || growing.loads != crate::shell::Loads::default() || growing.stickiness.iter().any(|&s| s != 0.0) {
+    if !growing.obstacles.is_empty() || growing.loads != crate::shell::Loads::default() || growing.maps.stickiness.iter().any(|&s| s != 0.0)
+    {
         return Err(Error::value(
             "growth.mode",
             "the reference mode knows no loads, sticking or obstacles; remove them, or use the other mode",
         ));
     }
-    if growing.hold.iter().any(|&hold| hold != 1.0) {
+    if growing.maps.hold.iter().any(|&hold| hold != 1.0) {
         return Err(Error::value("growth.hold", "the reference mode has no foundation; remove this, or use the other mode"));
     }
     let mut pose = growing.start.to_vec();
@@ -144,7 +145,7 @@ pub fn grow_by_forces_each(
     let mut levels = Vec::with_capacity(options.levels);
     for level in 1..=options.levels {
         let part = level as f64 / options.levels as f64;
-        let expansion = growing.expansion.part(part);
+        let expansion = growing.maps.expansion.part(part);
         let grown = expansion.act_on(growing.topology, growing.start, growing.rest)?;
         let mut forces = Forces::new(growing, options, &grown, wavelength_m)?;
         let before = iterations;
@@ -174,7 +175,7 @@ pub fn grow_by_forces_each(
             break;
         }
     }
-    let asked = growing.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+    let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
     let seconds = begun.elapsed().as_secs_f64();
     let converged = levels.last().is_none_or(|level| level.converged);
     Ok((pose, ReferenceReport { levels, cancelled, iterations, residual, converged, asked, seconds }))
@@ -239,7 +240,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         for v in 0..start.len() {
             values[pattern.slot(v, v)] += area_m2[v] / dt;
         }
-        let frozen: Vec<bool> = growing.frozen.iter().map(|f| *f == [true; 3]).collect();
+        let frozen: Vec<bool> = growing.maps.frozen.iter().map(|f| *f == [true; 3]).collect();
         let sliding = factorised(pattern, &values, &frozen)?;
 
         // Offset: mass/dt + Δᵀ(k_κ)… as squares of the Laplacian for the kernel and itself for the curvature's force.
@@ -248,7 +249,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         let mut values = vec![0.0; pattern.entry_count()];
         let smooth = options.smoothness * push_k * wavelength_m / TAU;
         // The steepest that the sigmoid can answer to κ*, at a compression of a third.
-        let reach = growing.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
+        let reach = growing.maps.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
         let answer = push_k / 3.0 * options.sharpness * wavelength_m / TAU * reach * reach;
         for (v, row) in laplacian.iter().enumerate() {
             for (n, &(i, a)) in row.iter().enumerate() {
@@ -270,7 +271,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         }
         let offset = factorised(pattern, &values, &frozen)?;
         let push = (0..start.len())
-            .map(|v| growing.bias[v] + options.imperfection * roughness(&growing.places[v], 0.5 * wavelength_m, options.seed))
+            .map(|v| growing.maps.bias[v] + options.imperfection * roughness(&growing.places[v], 0.5 * wavelength_m, options.seed))
             .collect();
         let mut forces = Self {
             growing,
@@ -338,7 +339,7 @@ impl<'a, 'b> Forces<'a, 'b> {
             let bending = -smooth * (curvature[v] - self.start_curvature[v][0]);
             let lift = normals[v].dot(&stretch[v]);
             stretch[v] -= normals[v] * lift;
-            let frozen = self.growing.frozen[v];
+            let frozen = self.growing.maps.frozen[v];
             offset[v] = if frozen == [true; 3] { 0.0 } else { (folding + bending) * self.area_m2[v] };
             for axis in 0..3 {
                 if frozen[axis] {
@@ -358,7 +359,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         }
         for v in 0..n {
             let move_by = slid[v] - normals[v] * normals[v].dot(&slid[v]) + normals[v] * offset[v];
-            for axis in (0..3).filter(|&axis| !self.growing.frozen[v][axis]) {
+            for axis in (0..3).filter(|&axis| !self.growing.maps.frozen[v][axis]) {
                 pose[v][axis] += move_by[axis];
             }
         }
@@ -387,13 +388,13 @@ fn kernel(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> [[f64; 3]; 3
     let second = (b - a).cross(&(c - a)).normalize().cross(&first);
     let mut form = Mat2::zeros();
     for v in face {
-        let ([most, least], [along, across]) = growing.expansion.vertices[v].principal();
+        let ([most, least], [along, across]) = growing.maps.expansion.vertices[v].principal();
         let flat = |d: Vec3| Vec2::new(first.dot(&d), second.dot(&d));
         let (u, c) = (flat(along), flat(across));
         // Where all ways grow alike, no way is along the crests.
         let uneven = if most > 1.0 { 1.0 - (least.ln() / most.ln()).clamp(0.0, 1.0) } else { 0.0 };
-        let wave = growing.wavelength_m[v] / TAU;
-        let coherence = wave + uneven * (growing.coherence_m[v] / TAU - wave);
+        let wave = growing.maps.wavelength_m[v] / TAU;
+        let coherence = wave + uneven * (growing.maps.coherence_m[v] / TAU - wave);
         form += (u * u.transpose() * wave.powi(2) + c * c.transpose() * coherence.powi(2)) / 3.0;
     }
     let g = surface.faces[f].barycentric_gradients();

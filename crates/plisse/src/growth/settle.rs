@@ -35,7 +35,7 @@ pub(super) fn settle_part(
     pose: &mut [Vec3],
     observer: &dyn Observer,
 ) -> Result<StepReport> {
-    let expansion = growing.expansion.part(part);
+    let expansion = growing.maps.expansion.part(part);
     let grown = expansion.act_on(growing.topology, growing.start, growing.rest)?;
     Prepared::new(growing, options, within)?.settle(part, effort, &expansion, &grown, pose, observer)
 }
@@ -98,7 +98,7 @@ pub(super) struct Scale {
 
 impl Scale {
     pub(super) fn of(growing: &Growing<'_>) -> Self {
-        Self { wavelength_m: growing.wavelength_m.iter().sum::<f64>() / growing.start.len() as f64, edge_m: growing.mean_edge_m() }
+        Self { wavelength_m: growing.maps.wavelength_m.iter().sum::<f64>() / growing.start.len() as f64, edge_m: growing.mean_edge_m() }
     }
 }
 
@@ -129,9 +129,9 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let mean = scale.wavelength_m;
         let material = Material::new(options.young_pa, options.poisson, options.thickness_share * mean)?;
         let thickness: Vec<f64> =
-            topology.faces.iter().map(|face| face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / (3.0 * mean)).collect();
+            topology.faces.iter().map(|face| face.iter().map(|&v| growing.maps.wavelength_m[v]).sum::<f64>() / (3.0 * mean)).collect();
         let mut clamps = Clamps::none(start.len());
-        for (v, frozen) in growing.frozen.iter().enumerate() {
+        for (v, frozen) in growing.maps.frozen.iter().enumerate() {
             let (still, place) = within.map_or((false, &start[v]), |within| (within.still[v], &within.pose[v]));
             clamps.targets[v] = std::array::from_fn(|axis| (still || frozen[axis]).then_some(place[axis]));
         }
@@ -156,17 +156,17 @@ impl<'a, 'b> Prepared<'a, 'b> {
 
     /// k (N/m³) at vertex `v`, grown by the factor `growth`.
     fn stiffness(&self, v: usize, growth: f64) -> f64 {
-        let (wavelength, poisson) = (self.growing.wavelength_m[v], self.options.poisson);
+        let (wavelength, poisson) = (self.growing.maps.wavelength_m[v], self.options.poisson);
         let thickness = self.options.thickness_share * wavelength;
         let bending = self.options.young_pa * thickness.powi(3) / (12.0 * (1.0 - poisson * poisson));
-        loose::share(self.growing.hold[v]) * bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
+        loose::share(self.growing.maps.hold[v]) * bending * (std::f64::consts::TAU / wavelength).powi(4) / softening(growth)
     }
 
     /// What keeps the surface from passing through itself, pushing about as hard as the foundation does under a fold.
     fn contact(&self, foundation: &[Foundation]) -> Option<SelfContact<'b>> {
         let growing = self.growing;
         let strength: Vec<f64> =
-            foundation.iter().zip(&growing.wavelength_m).map(|(held, wavelength)| held.stiffness * wavelength).collect();
+            foundation.iter().zip(&growing.maps.wavelength_m).map(|(held, wavelength)| held.stiffness * wavelength).collect();
         // Not much more than an edge can tell apart.
         let reach = self.material.thickness_m.min(0.5 * self.scale.edge_m);
         growing.self_contact.then(|| SelfContact::new(growing.topology, growing.start, reach, LONGEST_MOVE * self.scale.edge_m, &strength))
@@ -186,7 +186,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
         let stiff: Vec<f64> = (0..most.len()).map(|v| self.stiffness(v, most[v])).collect();
         // What does not grow is pushed nowhere.
         let begun = |v: usize| (most[v].ln().max(0.0) / FULL_IMPERFECTION).min(1.0);
-        let offset_of = |v: usize, rough: f64| begun(v) * growing.wavelength_m[v] * options.imperfection * rough;
+        let offset_of = |v: usize, rough: f64| begun(v) * growing.maps.wavelength_m[v] * options.imperfection * rough;
         let foundation: Vec<Foundation> = (0..most.len())
             .map(|v| {
                 let stiffness = stiff[v] * self.area_m2[v];
@@ -194,8 +194,8 @@ impl<'a, 'b> Prepared<'a, 'b> {
                     normal: self.normals[v],
                     stiffness,
                     grip: options.grip * stiffness,
-                    offset_m: begun(v) * growing.wavelength_m[v] * (growing.bias[v] + options.imperfection * self.rough[v]),
-                    stickiness: growing.stickiness[v],
+                    offset_m: begun(v) * growing.maps.wavelength_m[v] * (growing.maps.bias[v] + options.imperfection * self.rough[v]),
+                    stickiness: growing.maps.stickiness[v],
                 }
             })
             .collect();
@@ -215,14 +215,14 @@ impl<'a, 'b> Prepared<'a, 'b> {
             contact_thickness_m: growing.contact_thickness_m,
             contact_pressure_pa: foundation
                 .iter()
-                .zip(&growing.wavelength_m)
+                .zip(&growing.maps.wavelength_m)
                 .map(|(held, wavelength)| held.stiffness * wavelength)
                 .sum::<f64>()
                 / self.area_m2.iter().sum::<f64>(),
             ..Setup::new(growing.topology, grown, &self.material, &self.clamps)
         };
         let rest_offset_m: Vec<Vec3> =
-            (0..most.len()).map(|v| self.normals[v] * (loose::missing(growing.hold[v]) * offset_of(v, self.rough[v]))).collect();
+            (0..most.len()).map(|v| self.normals[v] * (loose::missing(growing.maps.hold[v]) * offset_of(v, self.rough[v]))).collect();
         setup.loads.forces_newton.extend(loose::forces_newton(&setup, &self.thickness, &rest_offset_m));
         let mut film = Film::new(&setup, growing.start, &self.thickness, &foundation, &crests)?.apart(self.contact(&foundation));
         let force = options.onset() * self.scale.edge_m / film.length_m();
@@ -236,13 +236,13 @@ impl<'a, 'b> Prepared<'a, 'b> {
             energy_unit_joule: film.unit_joule(),
         };
         let (unit_joule, length_m, begin) = (film.unit_joule(), film.length_m(), film.pack(pose));
-        let outcome = if growing.bands.is_empty() {
+        let outcome = if growing.maps.bands.is_empty() {
             let outcome = minimise(&mut film, &begin, &newton, observer)?;
             film.unpack(&outcome.x, pose);
             outcome
         } else {
             let unknown = film.unknowns().to_vec();
-            let mut banded = Banded::new(film, &growing.bands, &unknown, growing.start, &self.area_m2, length_m);
+            let mut banded = Banded::new(film, &growing.maps.bands, &unknown, growing.start, &self.area_m2, length_m);
             let begin = banded.pack(&begin, growing.start, pose);
             let outcome = minimise(&mut banded, &begin, &newton, observer)?;
             banded.inner().unpack(&banded.unpack(&outcome.x), pose);
@@ -273,18 +273,18 @@ fn crest_tension(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> Crest
     // The directions are lines: their dyads are averaged, weighted by how much more grows one way than the other.
     let (mut dyads, mut ratio) = (crate::mesh::Mat2::zeros(), 0.0);
     for v in face {
-        let ([most, least], [_, along]) = growing.expansion.vertices[v].principal();
+        let ([most, least], [_, along]) = growing.maps.expansion.vertices[v].principal();
         let uneven = if most > 1.0 { 1.0 - least.ln().max(0.0) / most.ln() } else { 0.0 };
         let along = crate::mesh::Vec2::new(first.dot(&along), second.dot(&along));
         dyads += along * along.transpose() * uneven;
-        ratio += uneven / 3.0 * growing.coherence_m[v] / growing.wavelength_m[v];
+        ratio += uneven / 3.0 * growing.maps.coherence_m[v] / growing.maps.wavelength_m[v];
     }
     if ratio == 0.0 {
         return [0.0; 3];
     }
     let (_, low) = crate::strain::principal_pair(&dyads);
     let crest = crate::mesh::Vec2::new(-low.y, low.x);
-    let wavelength = face.iter().map(|&v| growing.wavelength_m[v]).sum::<f64>() / 3.0;
+    let wavelength = face.iter().map(|&v| growing.maps.wavelength_m[v]).sum::<f64>() / 3.0;
     let scale = (2.0 * surface.faces[f].area_m2).sqrt() * wavelength / std::f64::consts::TAU * ratio;
     surface.faces[f].barycentric_gradients().map(|g| scale * g.dot(&crest))
 }

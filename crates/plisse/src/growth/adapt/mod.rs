@@ -63,8 +63,8 @@ impl AdaptOptions {
     /// About how many vertices `growing` has at the end.
     pub fn vertices(&self, growing: &Growing<'_>) -> f64 {
         let of = |(f, face): (usize, &[usize; 3])| {
-            let grows = |v: usize| growing.expansion.vertices[v].principal().0[0] > 1.0 + QUIET;
-            let fine = face.iter().map(|&v| growing.wavelength_m[v]).fold(f64::INFINITY, f64::min) / self.finish_edges_per_wave;
+            let grows = |v: usize| growing.maps.expansion.vertices[v].principal().0[0] > 1.0 + QUIET;
+            let fine = face.iter().map(|&v| growing.maps.wavelength_m[v]).fold(f64::INFINITY, f64::min) / self.finish_edges_per_wave;
             let edge = if face.iter().any(|&v| grows(v)) { fine.min(self.longest_m) } else { self.longest_m };
             // Two regular triangles to a vertex.
             growing.rest.faces[f].area_m2 / (0.75_f64.sqrt() * edge * edge)
@@ -109,7 +109,7 @@ impl AdaptOptions {
     }
 
     fn too_narrow(&self, growing: &Growing<'_>, need: &str) -> Error {
-        let narrowest = growing.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
+        let narrowest = growing.maps.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
         let message = format!(
             "folds down to {narrowest:.3e} m apart need {need} growth.remesh.most_vertices = {}; ask for wider folds or raise it",
             self.most_vertices
@@ -177,7 +177,7 @@ pub fn grow_adapting<'a>(
     adapt.check(growing, options)?;
     let mut run = Run { surface: Surface::new(growing, uvs), adapt, options, observer, steps: Vec::new(), meshes: Vec::new() };
     let choosing = choosing_part(growing, options);
-    let grows = !growing.expansion.is_none();
+    let grows = !growing.maps.expansion.is_none();
     if grows {
         run.remesh(adapt.edges_per_wave)?;
     } else {
@@ -272,7 +272,7 @@ impl<'a> Run<'a, '_> {
 
     fn finish(self, begun: Instant) -> Result<(Surface<'a>, AdaptReport)> {
         let surface = self.surface;
-        let asked: RestMetric = surface.expansion.act_on(&surface.topology, &surface.start, &surface.rest)?;
+        let asked: RestMetric = surface.maps.expansion.act_on(&surface.topology, &surface.start, &surface.rest)?;
         let growth = GrowthReport { steps: self.steps, asked, seconds: begun.elapsed().as_secs_f64() };
         Ok((surface, AdaptReport { growth, meshes: self.meshes }))
     }

@@ -3,6 +3,7 @@
 use crate::Result;
 use crate::growth::expansion::{Expansion, Growth, vertex_normals};
 use crate::growth::growing::Growing;
+use crate::growth::maps::GrowthMaps;
 use crate::growth::remesh::{Curving, RemeshOptions, RemeshReport, Sheet, remesh};
 use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::{Topology, Vec2, Vec3};
@@ -29,22 +30,8 @@ pub struct Surface<'a> {
     pub pose: Vec<Vec3>,
     /// `[V]` places (m) from which imperfections are drawn.
     pub places: Vec<Vec3>,
-    /// How it grows.
-    pub expansion: Expansion,
-    /// `[V]` λ (m).
-    pub wavelength_m: Vec<f64>,
-    /// `[V]` Λ (m).
-    pub coherence_m: Vec<f64>,
-    /// `[V]` offset that the surface prefers, in wavelengths.
-    pub bias: Vec<f64>,
-    /// `[V]` how much harder than out it goes in.
-    pub stickiness: Vec<f64>,
-    /// `[V]` how much of the foundation there is.
-    pub hold: Vec<f64>,
-    /// `[V]` axes along which each vertex is frozen.
-    pub frozen: Vec<[bool; 3]>,
-    /// Sets of vertices that move as one.
-    pub bands: Vec<Vec<usize>>,
+    /// How each vertex grows, and folds while it does.
+    pub maps: GrowthMaps,
     /// `[F][3]` texture places.
     pub uvs: Option<Vec<[Vec2; 3]>>,
     /// What pushes.
@@ -66,14 +53,7 @@ impl<'a> Surface<'a> {
             start: growing.start.to_vec(),
             pose: growing.start.to_vec(),
             places: growing.places.clone(),
-            expansion: growing.expansion.clone(),
-            wavelength_m: growing.wavelength_m.clone(),
-            coherence_m: growing.coherence_m.clone(),
-            bias: growing.bias.clone(),
-            stickiness: growing.stickiness.clone(),
-            hold: growing.hold.clone(),
-            frozen: growing.frozen.clone(),
-            bands: growing.bands.clone(),
+            maps: growing.maps.clone(),
             uvs,
             loads: growing.loads.clone(),
             obstacles: growing.obstacles,
@@ -89,14 +69,7 @@ impl<'a> Surface<'a> {
             rest: &self.rest,
             start: &self.start,
             places: self.places.clone(),
-            expansion: self.expansion.clone(),
-            wavelength_m: self.wavelength_m.clone(),
-            coherence_m: self.coherence_m.clone(),
-            bias: self.bias.clone(),
-            stickiness: self.stickiness.clone(),
-            hold: self.hold.clone(),
-            frozen: self.frozen.clone(),
-            bands: self.bands.clone(),
+            maps: self.maps.clone(),
             loads: self.loads.clone(),
             obstacles: self.obstacles,
             contact_thickness_m: self.contact_thickness_m,
@@ -113,14 +86,14 @@ impl<'a> Surface<'a> {
     /// # Errors
     /// As [`remesh`].
     pub(super) fn remesh(&mut self, options: &RemeshOptions) -> Result<RemeshReport> {
-        let growth = &self.expansion.vertices;
-        let mut channels = vec![self.wavelength_m.clone(), growth.iter().map(|g| g.principal().0[0].max(1.0)).collect()];
-        channels.extend([self.coherence_m.clone(), self.bias.clone(), self.stickiness.clone(), self.hold.clone()]);
+        let growth = &self.maps.expansion.vertices;
+        let mut channels = vec![self.maps.wavelength_m.clone(), growth.iter().map(|g| g.principal().0[0].max(1.0)).collect()];
+        channels.extend([self.maps.coherence_m.clone(), self.maps.bias.clone(), self.maps.stickiness.clone(), self.maps.hold.clone()]);
         channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
         let logarithms: Vec<[f64; 6]> = growth.iter().map(Growth::logarithm).collect();
         channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
         debug_assert_eq!(channels.len(), CHANNELS);
-        channels.extend(self.bands.iter().map(|band| {
+        channels.extend(self.maps.bands.iter().map(|band| {
             let mut inside = vec![0.0; self.start.len()];
             band.iter().for_each(|&v| inside[v] = 1.0);
             inside
@@ -131,7 +104,7 @@ impl<'a> Surface<'a> {
             positions: self.pose.clone(),
             start: self.start.clone(),
             channels,
-            frozen: self.frozen.clone(),
+            frozen: self.maps.frozen.clone(),
             uvs: self.uvs.clone(),
         };
         let active = vec![true; sheet.faces.len()];
@@ -156,7 +129,7 @@ impl<'a> Surface<'a> {
         let mut vertices: Vec<Growth> = (0..normals.len()).map(made).collect();
         for (old, new) in remeshed.maps.vertices.iter().enumerate() {
             if let Some(new) = *new {
-                vertices[new] = self.expansion.vertices[old];
+                vertices[new] = self.maps.expansion.vertices[old];
             }
         }
         let nearest = |p: &Vec3| {
@@ -167,17 +140,17 @@ impl<'a> Surface<'a> {
             *v = remeshed.maps.vertices[*v].unwrap_or_else(|| nearest(&self.start[*v]));
         }
         self.places = (0..normals.len()).map(|v| Vec3::new(c[PLACE][v], c[PLACE + 1][v], c[PLACE + 2][v])).collect();
-        self.expansion = Expansion { vertices };
+        self.maps.expansion = Expansion { vertices };
         // A new vertex belongs to a band if all it lies between does.
         let belongs = |b: usize| (0..c[0].len()).filter(|&v| c[CHANNELS + b][v] > 1.0 - 1e-9).collect();
-        self.bands = (0..self.bands.len()).map(belongs).collect();
+        self.maps.bands = (0..self.maps.bands.len()).map(belongs).collect();
         let mut channels = sheet.channels.into_iter();
         let mut next = || channels.next().unwrap_or_default();
-        (self.wavelength_m, _) = (next(), next());
-        (self.coherence_m, self.bias, self.stickiness, self.hold) = (next(), next(), next(), next());
+        (self.maps.wavelength_m, _) = (next(), next());
+        (self.maps.coherence_m, self.maps.bias, self.maps.stickiness, self.maps.hold) = (next(), next(), next(), next());
         self.topology = topology;
         self.rest = RestMetric { faces: sheet.rest };
-        (self.pose, self.start, self.frozen, self.uvs) = (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
+        (self.pose, self.start, self.maps.frozen, self.uvs) = (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
         Ok(report)
     }
 }

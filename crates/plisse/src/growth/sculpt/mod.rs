@@ -20,6 +20,7 @@ use web_time::Instant;
 use super::equilibrium::{GrowthOptions, StepReport};
 use super::expansion::{Expansion, Growth, vertex_normals};
 use super::growing::Growing;
+use super::maps::GrowthMaps;
 use super::settle::{Effort, Scale, Within, areas_and_imperfections, settle_part};
 use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
@@ -45,6 +46,20 @@ pub struct Painted {
     pub stickiness: f64,
     /// Axes along which it stays where it is.
     pub frozen: [bool; 3],
+}
+
+/// The maps of vertices on which these values are painted, without bands.
+fn maps_of<'a>(painted: impl Iterator<Item = &'a Painted> + Clone, hold: Vec<f64>) -> GrowthMaps {
+    GrowthMaps {
+        expansion: Expansion { vertices: painted.clone().map(|p| p.growth).collect() },
+        wavelength_m: painted.clone().map(|p| p.wavelength_m).collect(),
+        coherence_m: painted.clone().map(|p| p.coherence_m).collect(),
+        bias: painted.clone().map(|p| p.bias).collect(),
+        stickiness: painted.clone().map(|p| p.stickiness).collect(),
+        frozen: painted.map(|p| p.frozen).collect(),
+        hold,
+        bands: Vec::new(),
+    }
 }
 
 /// How a brush is followed.
@@ -124,7 +139,7 @@ impl Sculpture {
     /// As [`Growing::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose has another number of vertices.
     pub fn new(growing: &Growing<'_>, pose: Vec<Vec3>, options: GrowthOptions, brush: SculptOptions) -> Result<Self> {
         growing.check()?;
-        if !growing.bands.is_empty() {
+        if !growing.maps.bands.is_empty() {
             return Err(Error::value("growth.band", "a brush does not move bands as one; freeze them, or grow the whole"));
         }
         let n = growing.start.len();
@@ -137,12 +152,12 @@ impl Sculpture {
         let mut forces = std::mem::take(&mut loads.forces_newton);
         forces.sort_by_key(|force| force.0);
         let painted = |v: usize| Painted {
-            growth: growing.expansion.vertices[v],
-            wavelength_m: growing.wavelength_m[v],
-            coherence_m: growing.coherence_m[v],
-            bias: growing.bias[v],
-            stickiness: growing.stickiness[v],
-            frozen: growing.frozen[v],
+            growth: growing.maps.expansion.vertices[v],
+            wavelength_m: growing.maps.wavelength_m[v],
+            coherence_m: growing.maps.coherence_m[v],
+            bias: growing.maps.bias[v],
+            stickiness: growing.maps.stickiness[v],
+            frozen: growing.maps.frozen[v],
         };
         Ok(Self {
             painted: (0..n).map(painted).collect(),
@@ -161,7 +176,7 @@ impl Sculpture {
             obstacles: growing.obstacles.to_vec(),
             contact_thickness_m: growing.contact_thickness_m,
             self_contact: growing.self_contact,
-            hold: growing.hold.clone(),
+            hold: growing.maps.hold.clone(),
             options,
             brush,
             reach: Reach::new(n),
@@ -202,14 +217,7 @@ impl Sculpture {
             rest: &self.rest,
             start: &self.start,
             places: self.places.clone(),
-            expansion: Expansion { vertices: self.painted.iter().map(|p| p.growth).collect() },
-            wavelength_m: self.painted.iter().map(|p| p.wavelength_m).collect(),
-            coherence_m: self.painted.iter().map(|p| p.coherence_m).collect(),
-            bias: self.painted.iter().map(|p| p.bias).collect(),
-            stickiness: self.painted.iter().map(|p| p.stickiness).collect(),
-            frozen: self.painted.iter().map(|p| p.frozen).collect(),
-            hold: self.hold.clone(),
-            bands: Vec::new(),
+            maps: maps_of(self.painted.iter(), self.hold.clone()),
             loads: Loads { forces_newton: self.forces.clone(), ..self.loads.clone() },
             obstacles: &self.obstacles,
             contact_thickness_m: self.contact_thickness_m,

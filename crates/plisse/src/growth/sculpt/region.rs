@@ -1,8 +1,7 @@
 //! A piece of the surface that is solved alone: active vertices, and around them as much as their energy terms reach.
 
-use super::Sculpture;
+use super::{Sculpture, maps_of};
 use crate::Result;
-use crate::growth::expansion::Expansion;
 use crate::growth::growing::Growing;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::rest::RestMetric;
@@ -83,21 +82,13 @@ impl Region {
 
     /// What is to be solved there.
     pub(super) fn growing<'a>(&'a self, whole: &'a Sculpture) -> Growing<'a> {
-        let painted = |n: usize| &whole.painted[self.vertices[n]];
-        let count = self.vertices.len();
+        let painted = self.vertices.iter().map(|&v| &whole.painted[v]);
         Growing {
             topology: &self.topology,
             rest: &self.rest,
             start: &self.start,
             places: self.vertices.iter().map(|&v| whole.places[v]).collect(),
-            expansion: Expansion { vertices: (0..count).map(|n| painted(n).growth).collect() },
-            wavelength_m: (0..count).map(|n| painted(n).wavelength_m).collect(),
-            coherence_m: (0..count).map(|n| painted(n).coherence_m).collect(),
-            bias: (0..count).map(|n| painted(n).bias).collect(),
-            stickiness: (0..count).map(|n| painted(n).stickiness).collect(),
-            frozen: (0..count).map(|n| painted(n).frozen).collect(),
-            hold: self.vertices.iter().map(|&v| whole.hold[v]).collect(),
-            bands: Vec::new(),
+            maps: maps_of(painted, self.of(&whole.hold)),
             loads: self.loads.clone(),
             obstacles: &whole.obstacles,
             contact_thickness_m: whole.contact_thickness_m,

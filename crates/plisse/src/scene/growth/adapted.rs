@@ -92,7 +92,7 @@ impl BuiltGrowth {
         let faces = order.iter().map(|&f| surface.topology.faces[f]).collect();
         let topology = Topology::new("remeshing", surface.topology.vertex_count, faces)?;
         let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
-        let asked = surface.expansion.act_on(&topology, &surface.start, &rest)?;
+        let asked = surface.maps.expansion.act_on(&topology, &surface.start, &rest)?;
 
         let mut panels: Vec<BuiltPanel> =
             self.built.panels.iter().map(|panel| BuiltPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 }).collect();
@@ -154,20 +154,7 @@ impl BuiltGrowth {
             texture: laid.texture,
             ..self.built.clone()
         };
-        let grown = Self {
-            built,
-            expansion: surface.expansion,
-            wavelength_m: surface.wavelength_m,
-            coherence_m: surface.coherence_m,
-            bias: surface.bias,
-            stickiness: surface.stickiness,
-            hold: surface.hold,
-            frozen: surface.frozen,
-            bands: surface.bands,
-            chart: laid.chart,
-            windows,
-            ..self.clone()
-        };
+        let grown = Self { built, maps: surface.maps, chart: laid.chart, windows, ..self.clone() };
         Ok((grown, surface.pose, asked))
     }
 }

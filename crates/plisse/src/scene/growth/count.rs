@@ -156,7 +156,7 @@ impl BuiltGrowth {
             let mut within = vec![false; topology.face_count()];
             place.faces.iter().filter(|(_, corners)| corners.iter().all(inside)).for_each(|&(f, _)| within[f] = true);
             let faces: Vec<usize> = (0..within.len()).filter(|&f| within[f]).collect();
-            let waves = faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.wavelength_m[v]);
+            let waves = faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.maps.wavelength_m[v]);
             let asked_wavelength_m = waves.sum::<f64>() / (3 * faces.len()).max(1) as f64;
             let extent = (high - low).x;
             let points = (POINTS.0 * extent / asked_wavelength_m).clamp(SIZES[0], SIZES[1]);
@@ -183,11 +183,11 @@ impl BuiltGrowth {
     /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if there is no such face.
     pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<Reached> {
         let mut banded = vec![false; pose.len()];
-        self.bands.iter().flatten().for_each(|&v| banded[v] = true);
-        let free = |v: usize| self.frozen[v] == [false; 3] && !banded[v];
+        self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);
+        let free = |v: usize| self.maps.frozen[v] == [false; 3] && !banded[v];
         let counts = |f: usize| {
             let face = self.built.topology.faces[f];
-            face.into_iter().all(free) && face.into_iter().any(|v| self.expansion.vertices[v].principal().0[0] > GROWS)
+            face.into_iter().all(free) && face.into_iter().any(|v| self.maps.expansion.vertices[v].principal().0[0] > GROWS)
         };
         let any = (0..self.built.topology.face_count()).any(counts);
         any.then(|| reached(&self.built.topology, &self.built.start, asked, pose, &self.along(), counts))
@@ -196,7 +196,7 @@ impl BuiltGrowth {
     /// `[F]` the direction along which the corner that grows most does.
     fn along(&self) -> Vec<Vec3> {
         let of = |face: &[usize; 3]| {
-            let corners = face.map(|v| self.expansion.vertices[v].principal());
+            let corners = face.map(|v| self.maps.expansion.vertices[v].principal());
             let most = (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
             corners[most].1[0]
         };

@@ -18,7 +18,7 @@ use super::laid::{Chart, Laid};
 use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
 use crate::growth::reference::ReferenceOptions;
-use crate::growth::{AdaptOptions, Expansion, Growing, GrowthOptions};
+use crate::growth::{AdaptOptions, Growing, GrowthMaps, GrowthOptions};
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
@@ -27,22 +27,8 @@ use crate::{Error, Result};
 pub struct BuiltGrowth {
     /// The surface, with its rest metric before growth, what pushes and what is in its way.
     pub built: Built,
-    /// How it grows.
-    pub expansion: Expansion,
-    /// `[V]` λ (m).
-    pub wavelength_m: Vec<f64>,
-    /// `[V]` Λ (m).
-    pub coherence_m: Vec<f64>,
-    /// `[V]` offset that the surface prefers, in wavelengths.
-    pub bias: Vec<f64>,
-    /// `[V]` how much harder than out it goes in.
-    pub stickiness: Vec<f64>,
-    /// `[V]` how much of the foundation there is.
-    pub hold: Vec<f64>,
-    /// `[V]` axes along which vertices stay.
-    pub frozen: Vec<[bool; 3]>,
-    /// Vertices that move as one, and not with the others.
-    pub bands: Vec<Vec<usize>>,
+    /// How each vertex grows, and folds while it does. Clamps freeze, too.
+    pub maps: GrowthMaps,
     /// By energy or by forces.
     pub mode: Mode,
     /// How folds are solved for.
@@ -74,14 +60,7 @@ impl BuiltGrowth {
             rest: &built.rest,
             start: &built.start,
             places: built.start.clone(),
-            expansion: self.expansion.clone(),
-            wavelength_m: self.wavelength_m.clone(),
-            coherence_m: self.coherence_m.clone(),
-            bias: self.bias.clone(),
-            stickiness: self.stickiness.clone(),
-            hold: self.hold.clone(),
-            frozen: self.frozen.clone(),
-            bands: self.bands.clone(),
+            maps: self.maps.clone(),
             loads: built.loads.clone(),
             obstacles: &built.obstacles,
             contact_thickness_m: built.contact_thickness_m,
@@ -91,7 +70,7 @@ impl BuiltGrowth {
 
     /// The parts of the growth, one for each step; `steps` at least, else as many as the scene says.
     pub fn parts(&self, steps: Option<usize>) -> Vec<f64> {
-        let most = self.growing().most_growth();
+        let most = self.maps.most_growth();
         let mut options = self.options.clone();
         if let Some(steps) = steps.or(self.steps) {
             options.largest_step = most / steps as f64;
@@ -125,11 +104,16 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
         Some(table) => maps::map(scene, &laid, &format!("growth.{name}"), table),
         None => Ok(vec![0.0; laid.start.len()]),
     };
-    let (wavelength_m, coherence_m) = (map("wavelength_m", Some(&table.wavelength_m))?, map("coherence_m", table.coherence_m.as_ref())?);
-    let (bias, stickiness) = (map("bias", table.bias.as_ref())?, map("stickiness", table.stickiness.as_ref())?);
-    let hold = table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| maps::map(scene, &laid, "growth.hold", hold))?;
-    let (expansion, frozen) = (maps::expansion(scene, table, &laid)?, frozen(scene, table, &laid)?);
-    let bands = bands(scene, table, &laid)?;
+    let maps = GrowthMaps {
+        expansion: maps::expansion(scene, table, &laid)?,
+        wavelength_m: map("wavelength_m", Some(&table.wavelength_m))?,
+        coherence_m: map("coherence_m", table.coherence_m.as_ref())?,
+        bias: map("bias", table.bias.as_ref())?,
+        stickiness: map("stickiness", table.stickiness.as_ref())?,
+        hold: table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| maps::map(scene, &laid, "growth.hold", hold))?,
+        frozen: frozen(scene, table, &laid)?,
+        bands: bands(scene, table, &laid)?,
+    };
     let extents: Vec<count::Extent> = scene.panel.iter().map(count::extent).collect();
     let windows = count::places(&table.count, &extents, &laid)?;
     let chart = laid.chart.clone();
@@ -147,14 +131,7 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let grown = BuiltGrowth {
         adapt: table.remesh.as_ref().map(|remesh| adapted::options(remesh, &built.topology, &built.start)),
         built,
-        expansion,
-        wavelength_m,
-        coherence_m,
-        bias,
-        stickiness,
-        hold,
-        frozen,
-        bands,
+        maps,
         mode: table.mode.unwrap_or_default(),
         options,
         reference,
@@ -262,13 +239,13 @@ mod tests {
         let scene = parse("s.toml", SCENE).unwrap();
         let grown = build_growth(&scene).unwrap();
         for (v, p) in grown.built.start.iter().enumerate() {
-            let [most, least] = grown.expansion.vertices[v].principal().0;
+            let [most, least] = grown.maps.expansion.vertices[v].principal().0;
             assert!((most - 1.5 * (1.0 + p.x)).abs() < 1e-9 && (least - 1.5).abs() < 1e-9, "{p}: {most} {least}");
-            assert_eq!(grown.frozen[v], if p.x == 0.0 { [true; 3] } else { [p.x == 1.0, false, p.x == 1.0] });
+            assert_eq!(grown.maps.frozen[v], if p.x == 0.0 { [true; 3] } else { [p.x == 1.0, false, p.x == 1.0] });
         }
         // The same growth drives the base solve.
         let solved = build(&scene).unwrap();
-        let asked = grown.expansion.act_on(&grown.built.topology, &grown.built.start, &grown.built.rest).unwrap();
+        let asked = grown.maps.expansion.act_on(&grown.built.topology, &grown.built.start, &grown.built.rest).unwrap();
         assert_eq!(solved.rest, asked);
         assert!(grown.parts(Some(40)).len() >= 40 && *grown.parts(None).last().unwrap() == 1.0);
     }
