@@ -5,6 +5,7 @@ use plisse::scene::{self, Scene};
 use super::solved::{Look, with_waves_at_half_height};
 use super::table::{Cell, count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
+use crate::report::ending_name;
 
 /// Edge lengths (m) of the cylinder; published vertices and waves; seconds of the published code: base and field.
 const CYLINDERS: [(f64, &str, &str, Option<f64>); 5] = [
@@ -188,8 +189,17 @@ fn garment(study: &mut Study<'_>, number: usize, scene: &Scene, vertices: &[usiz
 }
 
 /// Columns of the tables of reference shells.
-const SHELL: [&str; 8] =
-    ["wanted vertices", "vertices", "waves", "published waves", "largest amplitude (mm)", "published (mm)", "iterations", "seconds"];
+const SHELL: [&str; 9] = [
+    "wanted vertices",
+    "vertices",
+    "waves",
+    "published waves",
+    "largest amplitude (mm)",
+    "published (mm)",
+    "iterations",
+    "ending",
+    "seconds",
+];
 
 fn shell_of_the_cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
@@ -236,7 +246,7 @@ fn shells(
     for (wanted, waves, amplitude) in sizes {
         let (waves, amplitude) = (waves.unwrap_or_else(none), amplitude.unwrap_or_else(none));
         if wanted > study.shell_limit {
-            study.document.row([count(wanted), text("beyond the limit"), none(), waves, none(), amplitude, none(), none()]);
+            study.document.row([count(wanted), text("beyond the limit"), none(), waves, none(), amplitude, none(), none(), none()]);
             continue;
         }
         let (_, built) = scene::with_vertices(scene, wanted)?;
@@ -253,6 +263,7 @@ fn shells(
             maybe(found("m"), |a| fixed(1e3 * a, 3)),
             amplitude,
             count(report.iterations),
+            text(ending_name(report.ending)),
             fixed(report.seconds, 1),
         ]);
         looks.push(Look::cloth(&format!("Shell, {} vertices", pose.len()), &built, &pose));

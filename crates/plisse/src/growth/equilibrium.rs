@@ -64,7 +64,7 @@ impl Default for GrowthOptions {
             seed: 1,
             largest_step: 0.1,
             plasticity: 0.0,
-            iteration_limit: 200,
+            iteration_limit: 500,
             tolerance: 1e-3,
         }
     }

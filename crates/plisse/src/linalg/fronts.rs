@@ -18,9 +18,8 @@ use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
 
-use super::elimination::Elimination;
+use super::elimination::{self, Elimination};
 use super::sparse::SymmetricPattern;
-use crate::mesh::NONE;
 
 /// Width of the blocks of columns into which large fronts are divided, and rows that are solved for at once.
 const BLOCK: usize = 192;
@@ -70,13 +69,6 @@ struct Piece {
     length: usize,
 }
 
-impl Supernode {
-    /// Columns, and rows below them.
-    fn size(&self) -> (usize, usize) {
-        (self.columns.len(), self.rows.len())
-    }
-}
-
 impl Fronts {
     /// The fronts of `pattern` under `elimination`.
     pub(super) fn new(pattern: &SymmetricPattern, elimination: &Elimination) -> Self {
@@ -86,27 +78,16 @@ impl Fronts {
         let mut supernodes: Vec<Supernode> = Vec::with_capacity(all.len());
         let mut end = 0;
         for (s, node) in all.iter().enumerate() {
-            let mut in_parent: Vec<Piece> = Vec::new();
-            if node.parent == NONE {
-                roots.push(s);
-            } else {
-                children[node.parent].push(s);
-                let parent = &all[node.parent];
-                let mut below = 0;
-                for (from, &row) in node.rows.iter().enumerate() {
-                    let to = match row.checked_sub(parent.columns.end) {
-                        None => row - parent.columns.start,
-                        Some(_) => {
-                            below += parent.rows[below..].iter().take_while(|&&other| other < row).count();
-                            parent.columns.len() + below
-                        }
-                    };
-                    match in_parent.last_mut() {
-                        Some(last) if last.to + last.length == to => last.length += 1,
-                        _ => in_parent.push(Piece { from, to, length: 1 }),
-                    }
+            let in_parent = match all.get(node.parent) {
+                Some(parent) => {
+                    children[node.parent].push(s);
+                    pieces(&node.rows, parent)
                 }
-            }
+                None => {
+                    roots.push(s);
+                    Vec::new()
+                }
+            };
             let children = std::mem::take(&mut children[s]);
             let (width, below) = (node.columns.len(), node.rows.len());
             let own: f64 = (below + 1..=below + width).map(|rows| (rows * rows) as f64).sum();
@@ -175,6 +156,11 @@ impl Fronts {
 }
 
 impl Supernode {
+    /// Columns, and rows below them.
+    fn size(&self) -> (usize, usize) {
+        (self.columns.len(), self.rows.len())
+    }
+
     /// Adds what it left to `columns` of its parent's front, of which `out` holds the last `height` rows.
     fn add_to_parent(&self, left: &[f64], columns: Range<usize>, out: &mut [f64], height: usize) {
         let below = self.rows.len();
@@ -201,6 +187,24 @@ impl Supernode {
         let (width, below) = self.size();
         MatRef::from_column_major_slice(&factor[self.panel.clone()], width + below, width).split_at_row(width)
     }
+}
+
+/// Where these `rows` are in the front of `parent`.
+fn pieces(rows: &[usize], parent: &elimination::Supernode) -> Vec<Piece> {
+    let (mut pieces, mut below) = (Vec::<Piece>::new(), 0);
+    for (from, &row) in rows.iter().enumerate() {
+        let to = if row < parent.columns.end {
+            row - parent.columns.start
+        } else {
+            below += parent.rows[below..].iter().take_while(|&&other| other < row).count();
+            parent.columns.len() + below
+        };
+        match pieces.last_mut() {
+            Some(last) if last.to + last.length == to => last.length += 1,
+            _ => pieces.push(Piece { from, to, length: 1 }),
+        }
+    }
+    pieces
 }
 
 /// Sorts the entries of the matrix by supernode and finds their places in the panels.
