@@ -5,7 +5,7 @@ use plisse::linalg::newton::Ending;
 use plisse::mesh::Topology;
 use plisse::rest::RestMetric;
 use plisse::scene::Measured;
-use plisse::shell::BaseReport;
+use plisse::shell::{BaseReport, ReferenceReport};
 use serde::Serialize;
 
 /// What a run found. Field names carry the units.
@@ -178,6 +178,11 @@ impl std::fmt::Display for Plain {
         let v = self.0;
         if v == 0.0 || (1e-2..1e6).contains(&v.abs()) { write!(f, "{}", (v * 100.0).round() / 100.0) } else { write!(f, "{v:.3e}") }
     }
+}
+
+/// A few words for the end of a reference shell's solve.
+pub(crate) fn shell_ending(report: &ReferenceReport) -> &'static str {
+    if report.is_stuck() { "stuck" } else { ending_name(report.ending) }
 }
 
 /// A few words for the end of a minimisation.

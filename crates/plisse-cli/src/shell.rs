@@ -20,7 +20,7 @@ use crate::Done;
 use crate::arguments::{ShellArguments, Start, Up};
 use crate::outputs::{self, BASE_SRGB, CLOTH_SRGB, draw_panels};
 use crate::progress::Bars;
-use crate::report::{BaseSummary, ending_name, measured_row};
+use crate::report::{BaseSummary, measured_row, shell_ending};
 use crate::road::{open_output_at, with_threads};
 use crate::solve::base_notes;
 
@@ -79,6 +79,11 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             notes.push("interrupted: this is the best state so far, not a solution".to_owned());
         } else if found.ending == Ending::IterationLimit {
             notes.push("the iteration limit came first; this is no equilibrium, give --iterations more".to_owned());
+        } else if found.is_stuck() {
+            notes.push(format!(
+                "no step lowers the energy any more, but a gradient of {:.1e} N is left: a face may lie on its neighbour, and this is no equilibrium; take another mesh, by --finer or the panel's seed",
+                found.gradient_newton
+            ));
         }
         let base_seconds = base.as_ref().map_or(0.0, |base| base.seconds);
         let report = Report {
@@ -87,7 +92,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             vertices: built.topology.vertex_count,
             faces: built.topology.face_count(),
             iterations: found.iterations,
-            ending: ending_name(found.ending),
+            ending: shell_ending(&found),
             energy_joule: found.energy_joule,
             gradient_newton: found.gradient_newton,
             displacement_max_m: displacement(&built, &start, &pose).into_iter().fold(0.0, |most, d| d.abs().max(most)),

@@ -5,7 +5,7 @@ use plisse::scene::{self, Scene};
 use super::solved::{Look, with_waves_at_half_height};
 use super::table::{Cell, count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
-use crate::report::ending_name;
+use crate::report::shell_ending;
 
 /// Edge lengths (m) of the cylinder; published vertices and waves; seconds of the published code: base and field.
 const CYLINDERS: [(f64, &str, &str, Option<f64>); 5] = [
@@ -263,7 +263,7 @@ fn shells(
             maybe(found("m"), |a| fixed(1e3 * a, 3)),
             amplitude,
             count(report.iterations),
-            text(ending_name(report.ending)),
+            text(shell_ending(&report)),
             fixed(report.seconds, 1),
         ]);
         looks.push(Look::cloth(&format!("Shell, {} vertices", pose.len()), &built, &pose));

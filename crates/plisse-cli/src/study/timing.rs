@@ -12,7 +12,7 @@ use plisse::scene::{self, Scene};
 use super::solved::{Look, Solution, peak_mm, with_waves_at_half_height};
 use super::table::{count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
-use crate::report::ending_name;
+use crate::report::shell_ending;
 
 /// What was published about a scene's solves.
 struct Published {
@@ -184,7 +184,7 @@ fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal:
         count(pose.len()),
         count(equal),
         count(report.iterations),
-        text(ending_name(report.ending)),
+        text(shell_ending(&report)),
         fixed(report.seconds, 1),
         maybe(in_waves(&scene::measure_shell(&built, &base, &pose)), |n| fixed(n, 1)),
         if equal > limit { ratio.above() } else { ratio },

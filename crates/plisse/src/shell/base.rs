@@ -114,8 +114,9 @@ pub(super) struct Settled {
     pub(super) iterations: usize,
     pub(super) ending: Ending,
     pub(super) energy_joule: f64,
-    /// Largest gradient component (N).
+    /// Largest gradient component (N), and in units of Young's modulus · thickness · size.
     pub(super) gradient_newton: f64,
+    pub(super) residual: f64,
 }
 
 /// The equilibrium of a shell that resists bending by `bending`, from the prepared pose `begin` (`[V]`, m) on.
@@ -153,6 +154,7 @@ pub(super) fn settle(
         ending: outcome.ending,
         energy_joule: outcome.energy * unit_joule,
         gradient_newton: outcome.projected_gradient * unit_joule / setup.length_m(),
+        residual: outcome.projected_gradient,
     })
 }
 

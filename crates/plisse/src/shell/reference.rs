@@ -27,6 +27,9 @@ pub struct ReferenceOptions {
     pub seed: u64,
 }
 
+/// Residual above which a solve that cannot go on has not converged.
+const STUCK: f64 = 1e-7;
+
 impl Default for ReferenceOptions {
     fn default() -> Self {
         Self { iteration_limit: 1000, tolerance: 1e-10, imperfection_m: 0.0, seed: 1 }
@@ -44,10 +47,20 @@ pub struct ReferenceReport {
     pub energy_joule: f64,
     /// Largest gradient component (N).
     pub gradient_newton: f64,
+    /// The same, in units of Young's modulus · thickness · size.
+    pub residual: f64,
     /// Faces that started inside an obstacle and were pushed out.
     pub resolved_faces: Vec<usize>,
     /// Seconds.
     pub seconds: f64,
+}
+
+impl ReferenceReport {
+    /// Whether it ended where no step lowers the energy although forces are far from balanced: the energy has a jump where a face comes to
+    /// lie on its neighbour.
+    pub fn is_stuck(&self) -> bool {
+        self.ending == Ending::RoundOff && self.residual > STUCK
+    }
 }
 
 /// The equilibrium (`[V]`, m) of the reference shell of `setup`, from the pose `start` (`[V]`, m) on: best the base surface on the
@@ -73,6 +86,7 @@ pub fn solve_reference(
         ending: settled.ending,
         energy_joule: settled.energy_joule,
         gradient_newton: settled.gradient_newton,
+        residual: settled.residual,
         resolved_faces,
         seconds: begun.elapsed().as_secs_f64(),
     };
