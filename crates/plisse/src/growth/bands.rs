@@ -317,9 +317,12 @@ impl<P: Problem> Problem for Banded<P> {
         let number: Vec<usize> = inner
             .members
             .iter()
-            .map(|group| {
-                next += usize::from(body(group).is_none());
-                body(group).map_or(next - 1, |b| first + b)
+            .map(|group| match body(group) {
+                Some(b) => first + b,
+                None => {
+                    next += 1;
+                    next - 1
+                }
             })
             .collect();
         let mut lists: Vec<Vec<usize>> = (0..members.len()).map(|group| vec![group]).collect();

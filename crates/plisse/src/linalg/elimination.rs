@@ -199,11 +199,14 @@ fn joined(blocks: Vec<Block>, begin: &[usize]) -> Vec<Block> {
         while let Some((before, below, zeros)) = out.last() {
             let child =
                 before.nodes.end == block.0.nodes.start && before.rows.first().is_some_and(|&row| block.0.nodes.contains(&(row as usize)));
+            if !child {
+                break;
+            }
             let (w, own) = (width(&before.nodes), width(&block.0.nodes));
             let zeros = zeros + block.2 + w * (own + block.1 - below);
             let all = (w + own) * (w + own + 1) / 2 + (w + own) * block.1;
             let few = |&(most, share): &(usize, f64)| w + own <= most && zeros as f64 <= share * all as f64;
-            if !child || !JOINED.iter().any(few) {
+            if !JOINED.iter().any(few) {
                 break;
             }
             block.0.nodes.start = before.nodes.start;
