@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             notes.push("the iteration limit came first; this is no equilibrium, give --iterations more".to_owned());
         } else if found.is_stuck() {
             notes.push(format!(
-                "no step lowers the energy any more, but a gradient of {:.1e} N is left: a face may lie on its neighbour, and this is no equilibrium; take another mesh, by --finer or the panel's seed",
+                "no step lowers the energy any more, but a gradient of {:.1e} N is left: a face may have lost its area, and this is no equilibrium; take another mesh, by --finer or the panel's seed",
                 found.gradient_newton
             ));
         }

@@ -7,6 +7,7 @@ mod resolution;
 mod scaling_law;
 mod scenes;
 mod solved;
+mod stable;
 mod table;
 mod timing;
 

@@ -252,7 +252,7 @@ fn shells(
         let (_, built) = scene::with_vertices(scene, wanted)?;
         let (base, _) = study.base(&built)?;
         let outcome = study.shell(&built, &base);
-        let Some((pose, report)) = study.or_note(&format!("reference shell, {wanted} vertices"), outcome)? else { continue };
+        let Some((pose, report, _)) = study.or_note(&format!("reference shell, {wanted} vertices"), outcome)? else { continue };
         let measured = scene::measure_shell(&built, &base, &pose);
         let found = |unit: &str| measured.iter().find(|m| m.unit == unit).map(|m| m.value);
         study.document.row([

@@ -10,6 +10,7 @@ use plisse::shell::{BaseReport, ReferenceOptions, ReferenceReport, solve_base, s
 use plisse::surface::{levels_within, upsample};
 use plisse::wrinkled::Posed;
 
+use super::stable::StableWatch;
 use super::table::{Cell, Illustration, fixed, none};
 use super::{Stop, Study};
 use crate::arguments::Up;
@@ -113,20 +114,20 @@ impl Study<'_> {
         Ok(Solution { built, pose, base, solved, measured })
     }
 
-    /// The reference shell of a scene from its base surface.
-    pub(crate) fn shell(&mut self, built: &Built, base: &[Vec3]) -> Result<(Vec<Vec3>, ReferenceReport), Stop> {
+    /// The reference shell of a scene from its base surface, and after how many seconds it was stable; also if it was interrupted.
+    pub(crate) fn shell(&mut self, built: &Built, base: &[Vec3]) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
         self.go_on()?;
         let limit = if self.quick { 30 } else { ReferenceOptions::default().iteration_limit };
         let imperfection_m = IMPERFECTION * built.material.thickness_m;
         let options = ReferenceOptions { imperfection_m, iteration_limit: limit, ..ReferenceOptions::default() };
-        let found = solve_reference(&built.setup(), base, &options, self.bars)?;
+        let watch = StableWatch::new(self.bars);
+        let (pose, report) = solve_reference(&built.setup(), base, &options, &watch)?;
         self.bars.finish();
-        self.go_on()?;
-        if found.1.ending == Ending::IterationLimit {
-            let note = format!("{}, reference shell of {} vertices: stopped after {limit} iterations", built.title, base.len());
-            self.document.notes.push(note);
+        if matches!(report.ending, Ending::IterationLimit | Ending::Cancelled) {
+            let (title, vertices, iterations) = (&built.title, base.len(), report.iterations);
+            self.document.notes.push(format!("{title}, reference shell of {vertices} vertices: stopped after {iterations} iterations"));
         }
-        Ok(found)
+        Ok((pose, report, watch.stable_seconds()))
     }
 
     /// Draws four surfaces of the scene `built` into `name`.png.

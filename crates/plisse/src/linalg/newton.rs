@@ -17,6 +17,8 @@ use crate::progress::{Observer, Step};
 
 /// Share of the largest diagonal entry that is added after the first short step (Levenberg–Marquardt).
 const FIRST_DAMPING: f64 = 1e-8;
+/// The same at most, where walls ([`Problem::longest_step`]) and not the energy cut steps short.
+const MOST_WALL_DAMPING: f64 = 1e-4;
 
 /// Saddles left at most, and the longest first step (largest component) away from one.
 const MOST_SADDLES: usize = 5;
@@ -187,7 +189,8 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         }
         let mut accepted = false;
         if solved {
-            let mut length = problem.longest_step(&x, &direction);
+            let longest = problem.longest_step(&x, &direction);
+            let mut length = longest;
             for _ in 0..40 {
                 let mut slope = 0.0;
                 for i in 0..n {
@@ -207,9 +210,13 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                 let trial_energy = problem.energy(&trial);
                 if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
                     accepted = true;
-                    // A short step says that the model reaches too far, e.g. that a slack face would be pulled taut.
-                    if length < 0.3 {
-                        damping = (damping * 100.0).max(FIRST_DAMPING);
+                    // A short step says that the model reaches too far, e.g. that a slack face would be pulled taut; or that there is a
+                    // wall: then some damping keeps the rest from sliding along it, and more would keep it from moving at all.
+                    let more = (damping * 100.0).max(FIRST_DAMPING);
+                    if length < 0.3 * longest {
+                        damping = more;
+                    } else if length < 0.3 {
+                        damping = damping.max(more.min(MOST_WALL_DAMPING));
                     } else if length == 1.0 {
                         damping = (damping * 0.1).max(options.ridge);
                     }
@@ -559,5 +566,46 @@ mod tests {
         // A minimum is not left.
         let stays = minimise(&mut Wells { x: 0.0 }, &[1.0, 1.0], &options(true), &Silent).unwrap();
         assert_eq!((stays.x, stays.iterations), (vec![1.0, 1.0], 0));
+    }
+
+    /// x₀² and (x₁ − 100)², the first much stiffer, with a wall that cuts every step far from the minimum short.
+    struct Walled;
+
+    impl Problem for Walled {
+        fn pattern(&self) -> SymmetricPattern {
+            SymmetricPattern::from_elements(2, [&[0, 1][..]].into_iter())
+        }
+        fn lower_bounds(&self) -> Vec<f64> {
+            vec![f64::NEG_INFINITY; 2]
+        }
+        fn energy(&mut self, x: &[f64]) -> f64 {
+            5e3 * x[0] * x[0] + 0.5 * (x[1] - 100.0).powi(2)
+        }
+        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+            g.copy_from_slice(&[1e4 * x[0], x[1] - 100.0]);
+            self.energy(x)
+        }
+        fn longest_step(&mut self, x: &[f64], _: &[f64]) -> f64 {
+            if (x[1] - 100.0).abs() > 1.0 { 0.2 } else { 1.0 }
+        }
+        fn hessian(&mut self, _: Convexity, values: &mut [f64]) {
+            values.copy_from_slice(&[1e4, 0.0, 1.0]);
+        }
+    }
+
+    #[test]
+    fn walls_slow_it_down_and_do_not_stop_it() {
+        let options = Options {
+            stage: "test",
+            iteration_limit: 200,
+            tolerance: 1e-9,
+            convexity: Convexity::Clamped,
+            ridge: 1e-14,
+            leave_saddles: false,
+            energy_unit_joule: 1.0,
+        };
+        let found = minimise(&mut Walled, &[3.0, 0.0], &options, &Silent).unwrap();
+        assert_eq!(found.ending, Ending::Converged);
+        assert!((found.x[1] - 100.0).abs() < 1e-8 && found.iterations < 100, "{:?} in {}", found.x, found.iterations);
     }
 }

@@ -2,22 +2,27 @@
 //! shells that are flat at rest. Unlike [`super::quadratic_bending`] it follows the stretch of the faces and tells Gaussian from
 //! mean curvature; it is not quadratic in positions.
 //!
-//! The normal of a face runs linearly between the normals n̂ₖ at the middles of its edges, each the unit average of the two face
+//! The normal of a face runs linearly between the normals n̂ₖ at the middles of its edges, each along the average of the two face
 //! normals there (on the boundary the face's own). Only the part of n̂ₖ along the face's plane bends it, and that part is
 //! perpendicular to edge k, so in the orthonormal rest frame the second fundamental form is
 //!
-//! II = Σₖ sₖ·ĝₖĝₖᵀ, with sₖ = 2·Hₖ·sin(θₖ/2),
+//! II = Σₖ sₖ·ĝₖĝₖᵀ, with sₖ = ⅔·Hₖ·(2 sin(θₖ/2) + tan(θₖ/2)),
 //!
 //! where ĝₖ is the gradient of the barycentric coordinate of the corner opposite edge k, Hₖ (m) the height *in the pose* of that
 //! corner over the edge and θₖ the signed dihedral angle: 0 when flat, positive when both faces rise towards their outside.
 //! sₖ (m) is the *bend* of the hinge; it is 0 on the boundary. The energy h³/12·‖II‖²_SV·area is then ½sᵀQs with a constant
 //! positive semidefinite Q, and its Gauss–Newton Hessian is convex without repair.
 //!
-//! Limits: a fold through θ = ±π jumps to the other sign, as faces that pass through each other do; a hinge on a face whose area
-//! fell below [`LEAST_AREA`] of its rest area counts as flat; a side on the boundary adds nothing, which errs by the order of the
-//! edge length. The average of two face normals is the normal of the smooth surface only where the two faces form a
-//! parallelogram: on a regular lattice the energy converges to that of a plate, on an irregular mesh it stays too high (on our
-//! panels by some 14 % for a roll, 31 % for a saddle, 7 % for a dome) however fine the mesh.
+//! How long n̂ₖ is makes the function of θₖ, and all choices agree up to θ³: the average itself, as in [Chen 2021], gives sin θₖ, the
+//! unit average 2·sin(θₖ/2), a part of 1 along the face's own normal 2·tan(θₖ/2). But the first lets a fold beyond a right angle shut
+//! for nothing, and the second changes its sign at θ = ±π: where a face comes to lie on its neighbour the energy has a jump, from
+//! which no Newton step leads on. The tangent grows without bound there and keeps the faces apart, and is too stiff before. The sum
+//! above does that, too, and is Hₖ·θₖ up to θ⁵.
+//!
+//! Limits: a hinge on a face whose area fell below [`LEAST_AREA`] of its rest area counts as flat; a side on the boundary adds
+//! nothing, which errs by the order of the edge length. The average of two face normals is the normal of the smooth surface only
+//! where the two faces form a parallelogram: on a regular lattice the energy converges to that of a plate, on an irregular mesh it
+//! stays too high (on our panels by some 14 % for a roll, 31 % for a saddle, 7 % for a dome) however fine the mesh.
 
 use std::ops::AddAssign;
 
@@ -30,6 +35,9 @@ use crate::rest::RestMetric;
 
 /// Share of its rest area (no unit) below which a face has no normal to speak of, and its hinges count as flat.
 pub const LEAST_AREA: f64 = 1e-6;
+
+/// cos(θ/2) (no unit) below which a hinge counts as shut: its energy grows no further.
+const SHUT: f64 = 1e-8;
 
 /// Gradient (J/m) in the coordinates of an element's six vertices: x, y, z of the first, of the second, ….
 pub type ElementGradient = SVector<f64, 18>;
@@ -194,21 +202,30 @@ const EDGE_WEIGHTS: [f64; 3] = [-1.0, 1.0, 0.0];
 struct Hinge {
     own: Wing,
     other: Wing,
-    /// sin(θ/2) and cos(θ/2).
+    /// sin(θ/2), cos(θ/2), and their ratio tan(θ/2).
     half_sin: f64,
     half_cos: f64,
+    tangent: f64,
 }
 
 impl Hinge {
     fn new(own: Wing, other: Wing) -> Self {
         // Half sums and differences of unit normals: no inverse functions, accurate at θ = 0 and at θ = ±π.
         let half_sin = (0.5 * (own.normal - other.normal).norm()).copysign(other.normal.dot(&own.inward));
-        Self { own, other, half_sin, half_cos: 0.5 * (own.normal + other.normal).norm() }
+        let half_cos = (0.5 * (own.normal + other.normal).norm()).max(SHUT);
+        Self { own, other, half_sin, half_cos, tangent: half_sin / half_cos }
     }
 
-    /// s = 2H·sin(θ/2) (m).
+    /// s = ⅔·H·(2 sin(θ/2) + tan(θ/2)) (m).
     fn bend(&self) -> f64 {
-        2.0 * self.own.height * self.half_sin
+        self.own.height * self.slopes()[0]
+    }
+
+    /// s = H·f(θ): f, f′ and f″.
+    fn slopes(&self) -> [f64; 3] {
+        let (sin, cos, tan) = (self.half_sin, self.half_cos, self.tangent);
+        let secant_squared = 1.0 + tan * tan;
+        [(4.0 * sin + 2.0 * tan) / 3.0, (2.0 * cos + secant_squared) / 3.0, (tan * secant_squared - sin) / 3.0]
     }
 
     /// ∇H and ∇θ in i, j, own tip, other tip.
@@ -218,15 +235,16 @@ impl Hinge {
         ([m * i, m * j, m * tip, Vec3::zeros()], [own * i + other * other_i, own * j + other * other_j, own * tip, other * far])
     }
 
-    /// ∇s = 2 sin(θ/2)·∇H + H cos(θ/2)·∇θ.
+    /// ∇s = f·∇H + H·f′·∇θ.
     fn gradient(&self) -> [Vec3; 4] {
         let (height, angle) = self.height_and_angle();
-        let (by_height, by_angle) = (2.0 * self.half_sin, self.own.height * self.half_cos);
+        let [by_height, slope, _] = self.slopes();
+        let by_angle = self.own.height * slope;
         std::array::from_fn(|v| height[v] * by_height + angle[v] * by_angle)
     }
 
     /// Adds `scale`·∇²s to the `hessian` of an element in which i, j and the two tips have these places:
-    /// ∇²s = 2 sin(θ/2)·∇²H + cos(θ/2)·(∇H∇θᵀ + ∇θ∇Hᵀ) − H/2·sin(θ/2)·∇θ∇θᵀ + H cos(θ/2)·∇²θ.
+    /// ∇²s = f·∇²H + f′·(∇H∇θᵀ + ∇θ∇Hᵀ) + H·f″·∇θ∇θᵀ + H·f′·∇²θ.
     ///
     /// With the flap's H, and twice because second derivatives are symmetric, the second variations are
     /// d²H = (n·δ)²/H − 2(e·δ)(m·de)/|e| − H(m·de)²/|e|² and, summed over both flaps,
@@ -241,15 +259,14 @@ impl Hinge {
                 hessian.fixed_view_mut::<3, 3>(column, row).add_assign(&block.transpose());
             }
         };
-        let (mixed, squared) = (scale * self.half_cos, -0.5 * scale * self.own.height * self.half_sin);
+        let [by_height, mixed, bend] = self.slopes().map(|slope| slope * scale);
+        let (by_angle, squared) = (self.own.height * mixed, self.own.height * bend);
         for v in 0..4 {
             let (left, right) = (angle[v] * mixed, height[v] * mixed + angle[v] * squared);
             for u in 0..=v {
                 add(v, u, &(left * height[u].transpose() + right * angle[u].transpose()));
             }
         }
-        let by_angle = scale * self.own.height * self.half_cos;
-        let by_height = 2.0 * scale * self.half_sin;
         for (wing, by_height, corners) in [(&self.own, by_height, [0, 1, 2]), (&self.other, 0.0, [1, 0, 3])] {
             let (e, m, n) = (wing.along, wing.inward, wing.normal);
             let (h, length) = (wing.height, wing.length);
@@ -360,7 +377,7 @@ mod tests {
             let mut pose = flat;
             pose[3] = Vec3::new(1.1, -theta.cos(), theta.sin());
             for (f, height) in [(0, 1.5), (1, 1.0)] {
-                let curvature = 2.0 * (theta / 2.0).sin() / height;
+                let curvature = 2.0 / 3.0 * (2.0 * (theta / 2.0).sin() + (theta / 2.0).tan()) / height;
                 let plate = 1e-3 / 12.0 * (material.alpha() / 2.0 + material.beta()) * curvature * curvature * height;
                 assert!((bending.energy(f, &pose) / plate - 1.0).abs() < 1e-12);
             }

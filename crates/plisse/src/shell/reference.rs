@@ -56,8 +56,8 @@ pub struct ReferenceReport {
 }
 
 impl ReferenceReport {
-    /// Whether it ended where no step lowers the energy although forces are far from balanced: the energy has a jump where a face comes to
-    /// lie on its neighbour.
+    /// Whether it ended where no step lowers the energy although forces are far from balanced: the energy has a jump where a face
+    /// loses its area.
     pub fn is_stuck(&self) -> bool {
         self.ending == Ending::RoundOff && self.residual > STUCK
     }
