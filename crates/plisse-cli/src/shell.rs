@@ -10,7 +10,7 @@ use plisse::linalg::newton::Ending;
 use plisse::mesh::Vec3;
 use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{Built, Measured, Scene};
-use plisse::shell::{ReferenceOptions, ReferenceReport, solve_base, solve_reference};
+use plisse::shell::{ReferenceOptions, ReferenceReport, solve_reference};
 use plisse::strain::strain;
 use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result, scene};
@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
         let mut notes = built.notes.clone();
         let (start, base) = match arguments.start {
             Start::Base => {
-                let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
+                let (pose, base) = scene::solve_base(&scene, &built, &bars)?;
                 notes.extend(base_notes(&base));
                 (pose, Some(base))
             }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use plisse::Result;
 use plisse::scene;
-use plisse::shell::{BaseReport, solve_base};
+use plisse::shell::BaseReport;
 
 use crate::Done;
 use crate::arguments::{SolveArguments, Up};
@@ -14,7 +14,8 @@ use crate::road::{Job, check_levels, finish, leave_out, open_output, with_thread
 
 pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
-    let mut built = scene::build(&scene::read(&arguments.scene)?)?;
+    let scene = scene::read(&arguments.scene)?;
+    let mut built = scene::build(&scene)?;
     leave_out(&mut built.field, &arguments.output.without)?;
     match arguments.output.levels {
         Some(levels) => check_levels("--levels", Some(levels as usize), &built.topology)?,
@@ -23,7 +24,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     let folder = open_output(&arguments.output, &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
-        let (pose, base) = solve_base(&built.setup(), &built.start, &built.base, &bars)?;
+        let (pose, base) = scene::solve_base(&scene, &built, &bars)?;
         bars.finish();
         let mut posed = built.posed(&pose);
         posed.levels = arguments.output.levels.map(|levels| levels as usize).or(posed.levels);

@@ -249,8 +249,8 @@ fn shells(
             study.document.row([count(wanted), text("beyond the limit"), none(), waves, none(), amplitude, none(), none(), none()]);
             continue;
         }
-        let (_, built) = scene::with_vertices(scene, wanted)?;
-        let (base, _) = study.base(&built)?;
+        let (finer, built) = scene::with_vertices(scene, wanted)?;
+        let (base, _) = study.base_of(&finer, &built)?;
         let outcome = study.shell(&built, &base);
         let Some((pose, report, _)) = study.or_note(&format!("reference shell, {wanted} vertices"), outcome)? else { continue };
         let measured = scene::measure_shell(&built, &base, &pose);

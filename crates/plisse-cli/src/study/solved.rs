@@ -103,6 +103,15 @@ impl Study<'_> {
         Ok(found)
     }
 
+    /// The base surface of a scene whose mesh may be fine.
+    pub(crate) fn base_of(&self, scene: &Scene, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
+        self.go_on()?;
+        let found = scene::solve_base(scene, built, self.bars)?;
+        self.bars.finish();
+        self.go_on()?;
+        Ok(found)
+    }
+
     /// The field of a scene on a base surface.
     pub(crate) fn solve_on(&self, built: Built, pose: Vec<Vec3>, base: BaseReport) -> Result<Solution, Stop> {
         self.go_on()?;

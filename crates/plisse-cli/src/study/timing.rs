@@ -173,8 +173,8 @@ fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
 
 fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal: usize, limit: usize) -> Result<(), Stop> {
     let (solution, _, field_seconds) = timed(study, scene::build(scene)?)?;
-    let (_, built) = scene::with_vertices(scene, equal.min(limit))?;
-    let (base, _) = study.base(&built)?;
+    let (finer, built) = scene::with_vertices(scene, equal.min(limit))?;
+    let (base, _) = study.base_of(&finer, &built)?;
     let (pose, report, stable_seconds) = study.shell(&built, &base)?;
     let in_waves = |measured: &[scene::Measured]| measured.iter().find(|m| m.unit == "waves" && m.name != "waves around").map(|m| m.value);
     let ratio = fixed(stable_seconds / field_seconds, 0);

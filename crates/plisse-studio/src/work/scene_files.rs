@@ -8,7 +8,6 @@ use plisse::field::solve;
 use plisse::io::aside::OutputFolder;
 use plisse::io::glb::UpAxis;
 use plisse::progress::Observer;
-use plisse::shell::solve_base;
 use plisse::{Error, Result};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
@@ -30,7 +29,7 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
     reporter.stage("base surface", Some(0.1));
     // From the scene's own start: what the window shows may have been reached from elsewhere.
     let built = &scene.built;
-    let (pose, _) = solve_base(&built.setup(), &built.start, &built.base, reporter)?;
+    let (pose, _) = plisse::scene::solve_base(&scene.scene, built, reporter)?;
     reporter.stage("wrinkle field", Some(0.5));
     let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;
     if reporter.cancelled() {

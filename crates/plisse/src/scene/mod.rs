@@ -1,10 +1,12 @@
 //! Scenes: a TOML file that says what is sewn, held, pushed and solved, and what was published about it.
 //!
 //! [`schema`] is the file's content, [`read`](mod@read) turns text into it and tells what is wrong in words, [`mod@build`] makes
-//! surface, start pose, clamps and loads of it, [`measure`](mod@measure) compares a solved field with what was published.
+//! surface, start pose, clamps and loads of it, [`solve_base`] solves its base surface, fine meshes by way of coarse ones,
+//! [`measure`](mod@measure) compares a solved field with what was published.
 //! [`growth`] does the same for a surface that grows.
 //! `docs/scene-format.md` describes every field.
 
+mod base;
 mod bodies;
 pub mod build;
 mod check;
@@ -20,6 +22,7 @@ pub mod read;
 mod resolution;
 pub mod schema;
 
+pub use base::solve_base;
 pub use build::{Built, BuiltPanel, build};
 pub use growth::{BuiltGrowth, build_growth};
 pub use measure::{Measured, Probe, Quantity, measure};
