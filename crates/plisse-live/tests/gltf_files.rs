@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use plisse_live::gltf_in::{from_bytes, read};
 use plisse_live::live::{LiveOptions, LiveState};
 use plisse_live::skin::{pose, skin};
@@ -144,6 +145,36 @@ fn sparse_accessors_put_numbers_in_place() {
     let mut far = bin.clone();
     far[json["bufferViews"][6]["byteOffset"].as_u64().unwrap() as usize + 1] = 9;
     assert!(sentence("index out of range", &glb(&json, &far)).contains("names 9 of 4"));
+}
+
+#[test]
+fn buffers_lie_beside_the_file_or_in_it() {
+    let (json, bin) = sound();
+    let folder = std::env::temp_dir().join(format!("plisse-gltf-uris-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let faces = |uri: &str| {
+        let mut json = json.clone();
+        json["buffers"][0]["uri"] = uri.into();
+        from_bytes("model.gltf", json.to_string().as_bytes(), Some(&folder)).map(|model| model.faces.len())
+    };
+    for (name, uri) in [
+        ("plain.bin", "plain.bin"),
+        ("two words.bin", "two%20words.bin"),
+        ("café (1).bin", "caf%C3%A9%20%281%29.bin"),
+        ("50%20off.bin", "50%20off.bin"),
+    ] {
+        std::fs::write(folder.join(name), &bin).unwrap();
+        assert_eq!(faces(uri).unwrap(), 2, "{uri}");
+    }
+    let base64 = BASE64_STANDARD.encode(&bin);
+    for text in [&base64[..], base64.trim_end_matches('=')] {
+        assert_eq!(faces(&format!("data:application/octet-stream;base64,{text}")).unwrap(), 2, "{text}");
+    }
+    for uri in ["nowhere.bin", "data:application/octet-stream;base64,a*b", "data:application/octet-stream,abc", "%FF.bin"] {
+        let message = faces(uri).unwrap_err().to_string();
+        assert!(message.contains("buffer 0") && message.contains("cannot be read"), "{message}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Models from glTF 2.0 files (.glb, or .gltf with its buffers beside it or inside).
 //!
-//! Every accessor is checked against its buffer before it is read, so that broken files end in one sentence. What is left out: points and
-//! lines, Draco and meshopt compression, influences beyond the eighth, texture coordinates beyond the first set.
+//! Broken files end in one sentence. What is left out: points and lines, Draco and meshopt compression, influences beyond the eighth,
+//! texture coordinates beyond the first set.
 //!
 //! The red channel of vertex colours (the first set) is taken as share of the wavelength, see [`crate::wavelength`]; white is all of it.
 //!
@@ -9,22 +9,22 @@
 //! by the median of edge lengths) to what the nodes' own pose gives: files whose skeleton carries a change of unit
 //! would seem to be crushed otherwise.
 
+mod accessors;
+mod uri;
+
 use std::path::Path;
 
-use gltf::accessor::sparse::IndexType;
-use gltf::accessor::{Accessor, DataType};
 use gltf::animation::Property;
 use gltf::mesh::{Mode, Primitive, Semantic};
 use nalgebra::UnitQuaternion;
 use plisse::{Error, Result};
 
+use self::accessors::Accessors;
+use self::uri::{load, short};
 use crate::model::{Channel, Clip, INFLUENCES, Interpolation, Model, Morph, Node, Target, order_nodes};
 use crate::skin::{pose, skin};
 use crate::unify::{Unified, fill_normals};
 use crate::{Mat4, Vec2, Vec3};
-
-/// Most numbers one accessor may hold.
-const MOST: usize = 1 << 28;
 
 /// Reads the model in the file `path`.
 ///
@@ -38,8 +38,7 @@ pub fn read(path: &Path) -> Result<Model> {
 /// The model in `bytes`; files it names are looked for in `folder`.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint
-/// or
+/// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint or
 /// vertex index is out of range, a number is no number, nodes form a ring, nothing has positions and faces.
 pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
     let bad = |message: String| Error::mesh(place, message);
@@ -66,7 +65,11 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
         }
         buffers.push(data);
     }
-    let mut reader = Reader { place, buffers, model: Model { name: place.to_owned(), ..Model::default() }, target_of_node: Vec::new() };
+    let mut reader = Reader {
+        accessors: Accessors { place, buffers },
+        model: Model { name: place.to_owned(), ..Model::default() },
+        target_of_node: Vec::new(),
+    };
     reader.nodes(&file)?;
     let mut instances = Vec::new();
     for node in file.nodes().filter(|n| n.mesh().is_some()) {
@@ -83,9 +86,9 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     reader.clips(&file)?;
     let base = file.materials().find_map(|m| m.pbr_metallic_roughness().base_color_texture());
     let image = base.and_then(|texture| match texture.texture().source().source() {
-        gltf::image::Source::View { view, .. } => {
-            reader.buffers[view.buffer().index()].get(view.offset()..view.offset().checked_add(view.length())?).map(<[u8]>::to_vec)
-        }
+        gltf::image::Source::View { view, .. } => reader.accessors.buffers[view.buffer().index()]
+            .get(view.offset()..view.offset().checked_add(view.length())?)
+            .map(<[u8]>::to_vec),
         gltf::image::Source::Uri { uri, .. } => load(uri, folder),
     });
     let mut model = reader.model;
@@ -99,8 +102,7 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
 }
 
 struct Reader<'a> {
-    place: &'a str,
-    buffers: Vec<Vec<u8>>,
+    accessors: Accessors<'a>,
     model: Model,
     /// `[N]` first morph target and their count of the mesh on each node.
     target_of_node: Vec<(usize, usize)>,
@@ -108,7 +110,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn bad<T>(&self, message: impl Into<String>) -> Result<T> {
-        Err(Error::mesh(self.place, message))
+        accessors::bad(self.accessors.place, message)
     }
 
     fn nodes(&mut self, file: &gltf::Gltf) -> Result<()> {
@@ -149,7 +151,7 @@ impl Reader<'_> {
             let joints: Vec<usize> = skin.joints().map(|j| j.index()).collect();
             let mut binds = vec![Mat4::identity(); joints.len()];
             if let Some(accessor) = skin.inverse_bind_matrices() {
-                let values = self.numbers(&accessor, 16, "inverse bind matrices")?;
+                let values = self.accessors.numbers(&accessor, 16, "inverse bind matrices")?;
                 if values.len() < 16 * joints.len() {
                     return self.bad(format!("skin {} has fewer inverse bind matrices than joints; export the file again", skin.index()));
                 }
@@ -205,10 +207,10 @@ impl Reader<'_> {
     ) -> Result<()> {
         let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
         let base = self.model.draw.positions.len();
-        let positions = self.vectors(&accessor, &format!("{place}, positions"))?;
+        let positions = self.accessors.vectors(&accessor, &format!("{place}, positions"))?;
         let count = positions.len();
         let indices: Vec<u32> = match primitive.indices() {
-            Some(accessor) => self.raw(&accessor, &format!("{place}, indices"))?.iter().map(|&x| x as u32).collect(),
+            Some(accessor) => self.accessors.raw(&accessor, &format!("{place}, indices"))?.iter().map(|&x| x as u32).collect(),
             None => (0..count as u32).collect(),
         };
         if let Some(&i) = indices.iter().find(|&&i| i as usize >= count) {
@@ -225,20 +227,23 @@ impl Reader<'_> {
         let linear = own.fixed_view::<3, 3>(0, 0).into_owned();
         let normal_map = linear.try_inverse().map_or(linear, |i| i.transpose());
         let mut normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => self.vectors(&accessor, &format!("{place}, normals"))?,
+            Some(accessor) => self.accessors.vectors(&accessor, &format!("{place}, normals"))?,
             None => Vec::new(),
         };
         normals.resize(count, Vec3::zeros());
         let mut uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(0)) {
-            Some(accessor) => {
-                self.numbers(&accessor, 2, &format!("{place}, texture coordinates"))?.chunks_exact(2).map(Vec2::from_column_slice).collect()
-            }
+            Some(accessor) => self
+                .accessors
+                .numbers(&accessor, 2, &format!("{place}, texture coordinates"))?
+                .chunks_exact(2)
+                .map(Vec2::from_column_slice)
+                .collect(),
             None => Vec::new(),
         };
         uvs.resize(count, Vec2::zeros());
         if let Some(accessor) = primitive.get(&Semantic::Colors(0)) {
             let width = accessor.dimensions().multiplicity().clamp(3, 4);
-            let colours = self.numbers(&accessor, width, &format!("{place}, colours"))?;
+            let colours = self.accessors.numbers(&accessor, width, &format!("{place}, colours"))?;
             let shares = self.model.wavelength_share.get_or_insert_default();
             // What came before without colours has the whole wavelength, as has what comes after.
             shares.resize(base, 1.0);
@@ -249,8 +254,8 @@ impl Reader<'_> {
             let (Some(j), Some(w)) = (primitive.get(&Semantic::Joints(set as u32)), primitive.get(&Semantic::Weights(set as u32))) else {
                 break;
             };
-            let j = self.raw(&j, &format!("{place}, joints"))?;
-            let w = self.numbers(&w, 4, &format!("{place}, weights"))?;
+            let j = self.accessors.raw(&j, &format!("{place}, joints"))?;
+            let w = self.accessors.numbers(&w, 4, &format!("{place}, weights"))?;
             if j.len() < 4 * count || w.len() < 4 * count {
                 return self.bad(format!("{place} has fewer joints or weights than vertices; export the file again"));
             }
@@ -282,7 +287,7 @@ impl Reader<'_> {
             let mut shifts = [Vec::new(), Vec::new()];
             for (k, accessor) in [target.positions(), target.normals()].into_iter().enumerate() {
                 if let Some(accessor) = accessor {
-                    shifts[k] = self.vectors(&accessor, &name)?;
+                    shifts[k] = self.accessors.vectors(&accessor, &name)?;
                 }
                 shifts[k].resize(count, Vec3::zeros());
             }
@@ -333,9 +338,9 @@ impl Reader<'_> {
                 };
                 let sampler = channel.sampler();
                 let what = format!("clip \"{name}\", channel {}", channel.index());
-                let times = self.numbers(&sampler.input(), 1, &what)?;
+                let times = self.accessors.numbers(&sampler.input(), 1, &what)?;
                 let output_width = if matches!(target, Target::Weights(..)) { 1 } else { width };
-                let values = self.numbers(&sampler.output(), output_width, &what)?;
+                let values = self.accessors.numbers(&sampler.output(), output_width, &what)?;
                 let (interpolation, parts) = match sampler.interpolation() {
                     gltf::animation::Interpolation::Step => (Interpolation::Step, 1),
                     gltf::animation::Interpolation::Linear => (Interpolation::Linear, 1),
@@ -349,116 +354,6 @@ impl Reader<'_> {
             self.model.clips.push(clip);
         }
         Ok(())
-    }
-
-    fn vectors(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<Vec3>> {
-        Ok(self.numbers(accessor, 3, what)?.chunks_exact(3).map(Vec3::from_column_slice).collect())
-    }
-
-    /// All numbers of `accessor`, whose elements must have `width` of them; normalised integers become fractions.
-    fn numbers(&self, accessor: &Accessor<'_>, width: usize, what: &str) -> Result<Vec<f32>> {
-        if accessor.dimensions().multiplicity() != width {
-            return self.bad(format!(
-                "{what}: there are {} numbers where {width} belong; export the file again",
-                accessor.dimensions().multiplicity()
-            ));
-        }
-        let scale = match accessor.data_type() {
-            DataType::I8 => 127.0,
-            DataType::U8 => 255.0,
-            DataType::I16 => 32767.0,
-            DataType::U16 => 65535.0,
-            DataType::U32 | DataType::F32 => 1.0,
-        };
-        let scale = if accessor.normalized() { scale } else { 1.0 };
-        let values: Vec<f32> = self.raw(accessor, what)?.iter().map(|&x| (x / scale) as f32).collect();
-        match values.iter().position(|x| !x.is_finite()) {
-            Some(i) => self.bad(format!("{what}: entry {} is no finite number; export the file again", i / width)),
-            None => Ok(values),
-        }
-    }
-
-    /// All numbers of `accessor` as they are stored, with what a sparse one puts in other places.
-    fn raw(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<f64>> {
-        let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
-        let (data_type, size) = (accessor.data_type(), accessor.size());
-        if count.checked_mul(width).is_none_or(|n| n > MOST) {
-            return self.bad(format!("{what}: {count} entries are too many; split the file"));
-        }
-        let mut values = match accessor.view() {
-            Some(view) => {
-                let stride = view.stride().unwrap_or(size);
-                self.stored(&view, accessor.offset(), stride, [count, width], data_type, what)?
-            }
-            None => vec![0.0; count * width],
-        };
-        if let Some(sparse) = accessor.sparse() {
-            let (indices, others) = (sparse.indices(), sparse.values());
-            let index_type = match indices.index_type() {
-                IndexType::U8 => DataType::U8,
-                IndexType::U16 => DataType::U16,
-                IndexType::U32 => DataType::U32,
-            };
-            if sparse.count() > count {
-                return self.bad(format!("{what}: {} sparse entries for {count} are too many; export the file again", sparse.count()));
-            }
-            let shape = [sparse.count(), 1];
-            let places = self.stored(&indices.view(), indices.offset(), bytes_of(index_type), shape, index_type, what)?;
-            let others = self.stored(&others.view(), others.offset(), size, [sparse.count(), width], data_type, what)?;
-            for (i, &place) in places.iter().enumerate() {
-                let Some(target) = values.get_mut(place as usize * width..(place as usize + 1) * width) else {
-                    return self.bad(format!("{what}: a sparse entry names {place} of {count}; export the file again"));
-                };
-                target.copy_from_slice(&others[i * width..(i + 1) * width]);
-            }
-        }
-        Ok(values)
-    }
-
-    /// `[count][width]` numbers of `data_type` in `view` from `offset` (bytes) on, elements `stride` bytes apart.
-    fn stored(
-        &self,
-        view: &gltf::buffer::View<'_>,
-        offset: usize,
-        stride: usize,
-        [count, width]: [usize; 2],
-        data_type: DataType,
-        what: &str,
-    ) -> Result<Vec<f64>> {
-        let one = bytes_of(data_type);
-        let size = one * width;
-        let part = view.offset().checked_add(view.length()).and_then(|end| self.buffers[view.buffer().index()].get(view.offset()..end));
-        let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size)?.checked_add(offset));
-        let (Some(part), Some(needed)) = (part, needed) else {
-            return self.bad(format!("{what} lies outside its buffer; export the file again"));
-        };
-        if needed > part.len() {
-            return self.bad(format!("{what} needs {needed} bytes, but only {} are there; export the file again", part.len()));
-        }
-        let mut values = Vec::with_capacity(count * width);
-        for i in 0..count {
-            for k in 0..width {
-                let b = &part[offset + i * stride + k * one..][..one];
-                values.push(match data_type {
-                    DataType::I8 => f64::from(b[0] as i8),
-                    DataType::U8 => f64::from(b[0]),
-                    DataType::I16 => f64::from(i16::from_le_bytes([b[0], b[1]])),
-                    DataType::U16 => f64::from(u16::from_le_bytes([b[0], b[1]])),
-                    DataType::U32 => f64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-                    DataType::F32 => f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])),
-                });
-            }
-        }
-        Ok(values)
-    }
-}
-
-/// Bytes of one number.
-fn bytes_of(data_type: DataType) -> usize {
-    match data_type {
-        DataType::I8 | DataType::U8 => 1,
-        DataType::I16 | DataType::U16 => 2,
-        DataType::U32 | DataType::F32 => 4,
     }
 }
 
@@ -489,39 +384,4 @@ fn scale_rest(model: &mut Model, first: [usize; 3], end: [usize; 3]) {
         morph.positions[vertices.clone()].iter_mut().for_each(|x| *x *= scale);
     }
     model.inverse_binds[first[1]..end[1]].iter_mut().for_each(|m| *m *= Mat4::new_scaling(1.0 / scale));
-}
-
-fn short(uri: &str) -> String {
-    uri.chars().take(40).collect()
-}
-
-/// The bytes that `uri` stands for: a file in `folder`, or base64 in the URI itself.
-fn load(uri: &str, folder: Option<&Path>) -> Option<Vec<u8>> {
-    if let Some(data) = uri.strip_prefix("data:") {
-        return base64(data.split_once(";base64,")?.1);
-    }
-    let plain = uri.replace("%20", " ");
-    plisse::io::disk::read(folder?.join(plain)).ok()
-}
-
-fn base64(text: &str) -> Option<Vec<u8>> {
-    let (mut bytes, mut bits, mut held) = (Vec::with_capacity(text.len() / 4 * 3), 0u32, 0);
-    for c in text.bytes().take_while(|&c| c != b'=') {
-        let value = match c {
-            b'A'..=b'Z' => c - b'A',
-            b'a'..=b'z' => c - b'a' + 26,
-            b'0'..=b'9' => c - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        held += 6;
-        if held >= 8 {
-            held -= 8;
-            bytes.push((bits >> held) as u8);
-            bits &= (1 << held) - 1;
-        }
-    }
-    Some(bytes)
 }
