@@ -1,5 +1,6 @@
-//! Progress bars on the terminal (standard error); silent where that is no terminal.
+//! Progress bars on the terminal (standard error); where that is none, a line every half minute.
 
+use std::io::{IsTerminal, Write, stderr};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -11,7 +12,12 @@ use plisse::progress::{Observer, Step};
 pub(crate) struct Bars<'a> {
     interrupted: &'a AtomicBool,
     current: Mutex<Option<Current>>,
+    /// When the last line was written, if nobody can see bars.
+    lines: Option<Mutex<Instant>>,
 }
+
+/// Time between lines where there is no terminal.
+const BETWEEN_LINES: Duration = Duration::from_secs(30);
 
 struct Current {
     stage: &'static str,
@@ -27,7 +33,8 @@ const PARTS: u64 = 1000;
 
 impl<'a> Bars<'a> {
     pub(crate) fn new(interrupted: &'a AtomicBool) -> Self {
-        Self { interrupted, current: Mutex::new(None) }
+        let lines = (!stderr().is_terminal()).then(|| Mutex::new(Instant::now()));
+        Self { interrupted, current: Mutex::new(None), lines }
     }
 
     /// A spinner for a step that cannot tell how far it is; it lasts until dropped or finished.
@@ -80,18 +87,48 @@ impl Observer for Bars<'_> {
             current.done = current.done.max(done).max(by_count).clamp(1e-3, 1.0);
             let left = current.begun.elapsed().as_secs_f64() * (1.0 / current.done - 1.0);
             current.bar.set_position((current.done * PARTS as f64) as u64);
-            current.bar.set_message(format!(
+            let message = format!(
                 "iteration {}, energy {:.6e} J, residual {:.1e} (until {:.0e}), about {} left",
                 step.iteration,
                 step.energy_joule,
                 step.residual,
                 step.tolerance,
                 HumanDuration(Duration::from_secs_f64(left.ceil()))
-            ));
+            );
+            if let Some(last) = &self.lines {
+                let mut last = last.lock().expect("no thread panics while it writes a line");
+                if is_due(&mut last, Instant::now()) {
+                    // A closed standard error is no reason to stop.
+                    let _ = writeln!(stderr(), "{:>8} {message}", step.stage);
+                }
+            }
+            current.bar.set_message(message);
         }
     }
 
     fn cancelled(&self) -> bool {
         self.interrupted.load(Ordering::SeqCst)
+    }
+}
+
+/// Whether it is time for another line; then this is when the last one was written.
+fn is_due(last: &mut Instant, now: Instant) -> bool {
+    let due = now.duration_since(*last) >= BETWEEN_LINES;
+    if due {
+        *last = now;
+    }
+    due
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_every_half_minute() {
+        let begun = Instant::now();
+        let mut last = begun;
+        let written: Vec<u64> = (0..100).filter(|&s| is_due(&mut last, begun + Duration::from_secs(s))).collect();
+        assert_eq!(written, [30, 60, 90]);
     }
 }
