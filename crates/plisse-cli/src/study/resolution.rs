@@ -161,7 +161,10 @@ fn garment(study: &mut Study<'_>, number: usize, scene: &Scene, vertices: &[usiz
     let mut looks = Vec::new();
     let vertices = if study.quick { &vertices[..1] } else { vertices };
     for &wanted in vertices {
-        let outcome = scene::with_vertices(scene, wanted).map_err(Stop::from).and_then(|(_, built)| study.solve(built));
+        let outcome = scene::with_vertices(scene, wanted).map_err(Stop::from).and_then(|(finer, built)| {
+            let (pose, base) = study.base_of(&finer, &built)?;
+            study.solve_on(built, pose, base)
+        });
         let Some(solution) = study.or_note(&format!("{}, {wanted} vertices", scene.title), outcome)? else { continue };
         study.document.row([
             count(solution.vertices()),
