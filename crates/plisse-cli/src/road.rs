@@ -112,20 +112,18 @@ pub(crate) fn finish(
     report.surface = SurfaceSummary { levels: fine.levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
     drop(spinner);
 
-    if !arguments.no_picture {
-        let spinner = bars.spinner("picture");
-        let picture = outputs::picture(topology, posed.pose, &wrinkled, report.amplitude_m.max, job.up, posed.obstacles.0);
-        folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
-        drop(spinner);
-    } else {
-        folder.leave_out("picture.png");
-    }
     let spinner = bars.spinner("files");
     let axis = match job.up {
         Up::Y => UpAxis::Y,
         Up::Z => UpAxis::Z,
     };
-    posed.write(&mut folder, field, &wrinkled, axis)?;
+    let draw = || outputs::picture(topology, posed.pose, &wrinkled, report.amplitude_m.max, job.up, posed.obstacles.0);
+    let (picture, written) = rayon::join(|| (!arguments.no_picture).then(draw), || posed.write(&mut folder, field, &wrinkled, axis));
+    written?;
+    match picture {
+        Some(picture) => folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?,
+        None => folder.leave_out("picture.png"),
+    }
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {
         let interrupted = ending_name(Ending::Cancelled);

@@ -78,11 +78,20 @@ impl Ellipsoid {
         (g.zip_map(&local, f64::copysign), (u - 1.0) * g.norm())
     }
 
+    /// At most the distance of `p` (m) if it is outside, for next to nothing: where |x/radii| = s > 1, x is (s − 1) least radii away or more.
+    pub(super) fn at_least_m(&self, p: &Vec3) -> f64 {
+        let local = self.turn.tr_mul(&(p - self.centre));
+        (local.component_div(&self.radii).norm() * (1.0 - 1e-12) - 1.0) * self.least
+    }
+
     pub(super) fn distance_m(&self, p: &Vec3) -> f64 {
         self.foot(p).1 * self.least
     }
 
     pub(super) fn nearby(&self, p: &Vec3, reach_m: f64) -> Option<Nearby> {
+        if self.at_least_m(p) > reach_m {
+            return None;
+        }
         let (g, distance) = self.foot(p);
         let distance_m = distance * self.least;
         if distance_m > reach_m {

@@ -181,6 +181,14 @@ impl Obstacle {
         }
     }
 
+    /// Whether `p` is surely farther outside than `reach_m` (m): a quick answer, where the distance takes long.
+    pub fn is_beyond(&self, p: &Vec3, reach_m: f64) -> bool {
+        match &self.shape {
+            Shape::Ellipsoid(ellipsoid) => ellipsoid.at_least_m(p) > reach_m,
+            _ => false,
+        }
+    }
+
     /// Signed distance of `p` (m) with its derivatives; nothing if `p` is farther outside than `reach_m` (m). However deep inside,
     /// there is an answer.
     pub fn nearby(&self, p: &Vec3, reach_m: f64) -> Option<Nearby> {
@@ -389,6 +397,21 @@ mod tests {
         let foot = slant * 2.0 + e(slant.y, -slant.x, 0.0) * 0.7;
         assert!(cone.distance_m(&foot).abs() < 1e-15 && (cone.distance_m(&(foot + slant * 0.3)) - 0.3).abs() < 1e-15);
         assert_eq!([cone.distance_m(&e(-3.0, 0.0, 0.0)), cone.distance_m(&e(7.0, 0.0, 0.0))], [1.0, 4.0]);
+    }
+
+    #[test]
+    fn what_is_surely_beyond_is_beyond() {
+        let egg = Obstacle::ellipsoid("egg", Vec3::new(0.1, -0.2, 0.05), [0.3, 0.2, 0.1], turn()).unwrap();
+        let mut sure = 0;
+        for k in 0..1000 {
+            let direction = Vec3::new((f64::from(k) * 0.7).sin(), (f64::from(k) * 1.3).cos(), (f64::from(k) * 2.9).sin());
+            let p = direction * 0.002 * f64::from(k);
+            let distance = egg.distance_m(&p);
+            assert!(!egg.is_beyond(&p, distance.max(0.0)), "{p}");
+            sure += usize::from(egg.is_beyond(&p, 0.3 * distance.max(0.0)));
+        }
+        // It would be of no use if it were never sure.
+        assert!(sure > 600, "{sure}");
     }
 
     #[test]

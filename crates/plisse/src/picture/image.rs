@@ -57,6 +57,8 @@ pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let mut encoder = png::Encoder::new(out, side(image.width)?, side(image.height)?);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    // A fraction of the time, for files a quarter larger.
+    encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&image.pixels)?;

@@ -24,7 +24,8 @@ pub use image::{Image, write_png};
 use crate::mesh::Vec3;
 use camera::Frame;
 use lettering::{Align, INK, QUIET};
-use paint::Painted;
+use paint::{Painted, Surface};
+use rayon::prelude::*;
 
 /// The surface to draw. A face that names a missing vertex, or one with a coordinate that is not finite, is left out.
 #[derive(Clone, Copy, Debug)]
@@ -91,14 +92,24 @@ pub fn draw_among(panels: &[PanelView; 4], bodies: Subject, camera: &Camera, siz
     let bounds = panels.iter().fold(camera.bounds(), |bounds, panel| bounds.including(camera, panel.subject));
     let letters = (size.0.min(size.1 * 4 / 3) / 1600).max(1);
     let (columns, viewport) = best_layout(size, letters, bounds.half_extent());
-    for (p, panel) in panels.iter().enumerate() {
+    let frame = Frame::new(camera, &bounds, viewport);
+    // Panels often show one subject in several colours.
+    let same = |a: &Subject, b: &Subject| std::ptr::eq(a.positions, b.positions) && std::ptr::eq(a.faces, b.faces);
+    let mut subjects: Vec<Subject> = Vec::new();
+    let shown = panels.each_ref().map(|panel| {
+        subjects.iter().position(|subject| same(subject, &panel.subject)).unwrap_or_else(|| {
+            subjects.push(panel.subject);
+            subjects.len() - 1
+        })
+    });
+    let surfaces: Vec<Surface> = subjects.par_iter().map(|&subject| Surface::new(subject, bodies, &frame)).collect();
+    let painted: Vec<Painted> = panels.par_iter().zip(&shown).map(|(panel, &n)| paint::paint(panel.paint, &surfaces[n])).collect();
+    for (p, (panel, painted)) in panels.iter().zip(&painted).enumerate() {
         let cell = (size.0 / columns, size.1 / (4 / columns));
         let corner = ((p % columns) * cell.0, (p / columns) * cell.1);
         let place = Place { left: corner.0, top: corner.1, width: cell.0, height: cell.1, letters };
-        let frame = Frame::new(camera, &bounds, viewport);
-        let painted = paint::paint(panel, bodies, &frame);
         image.paste(&painted.image, place.left + MARGIN * letters, place.top + HEAD * letters);
-        annotate(&mut image, panel, &painted, &frame, place);
+        annotate(&mut image, panel, painted, &frame, place);
     }
     image
 }
@@ -111,7 +122,7 @@ pub fn draw_frames(poses: &[Subject<'_>], paint: Paint, bodies: Subject, camera:
     let frame = Frame::new(camera, &bounds, view);
     let one = |&subject: &Subject<'_>| {
         let mut image = Image::blank(size.0, size.1);
-        let painted = paint::paint(&PanelView { title: "", subject, paint }, bodies, &frame);
+        let painted = paint::paint(paint, &Surface::new(subject, bodies, &frame));
         image.paste(&painted.image, MARGIN, MARGIN);
         image
     };

@@ -8,7 +8,8 @@ use super::colour::{self, Light};
 use super::image::Image;
 use super::raster::{NOTHING, Projected, SAMPLES, Seen, Triangle, see};
 use super::relief::Relief;
-use super::{Paint, PanelView, Subject};
+use super::{Paint, Subject};
+use crate::mesh::Vec3;
 use rayon::prelude::*;
 
 /// A direction in view space (right, up, toward the viewer), of unit length.
@@ -26,42 +27,33 @@ pub(super) struct Painted {
 /// Colour of bodies that are not the subject (sRGB).
 const BODY_SRGB: [u8; 3] = [150, 156, 160];
 
-/// Draws `panel` in the view of `frame`, among `bodies`.
-pub(super) fn paint(panel: &PanelView, bodies: Subject, frame: &Frame) -> Painted {
-    let own = panel.subject.faces.len();
-    let shift = panel.subject.positions.len();
-    let positions = [panel.subject.positions, bodies.positions].concat();
-    let mut faces = panel.subject.faces.to_vec();
-    faces.extend(bodies.faces.iter().map(|face| face.map(|v| v.saturating_add(shift))));
-    let (positions, faces) = (&positions[..], &faces[..]);
-    let surface = Surface::new(Subject { positions, faces }, frame);
+/// Draws a surface as `paint` says.
+pub(super) fn paint(paint: Paint, surface: &Surface) -> Painted {
+    let own = surface.own;
     let body = colour::light_from_srgb(BODY_SRGB);
-    let shade = |seen: &Seen, colour: &(dyn Fn(usize, usize, usize) -> Light + Sync)| {
-        shade(seen, |f, x, y| if f < own { colour(f, x, y) } else { lit(surface.normal(f, x, y).0, body) })
+    let shade = |colour: &(dyn Fn(&Facet, usize, usize) -> Light + Sync)| {
+        shade(surface, |facet, x, y| if facet.number < own { colour(facet, x, y) } else { lit(facet.normal(x, y).0, body) })
     };
-    let seen = see(&surface.projected, faces, frame.size);
     let mut painted = Painted { image: Image::blank(0, 0), relief_gain: 1.0, unwrinkled: false };
-    painted.image = match panel.paint {
+    painted.image = match paint {
         Paint::Plain { colour, wireframe: true } => {
             let material = colour::light_from_srgb(colour);
-            let border = border_sides(positions.len(), faces);
-            shade(&seen, &|f, x, y| {
-                let triangle = surface.triangle(f);
-                wire(&triangle, border[f], x, y, lit(surface.facet_normal(f, &triangle), material))
-            })
+            let border = border_sides(surface.positions.len(), &surface.faces);
+            shade(&|facet, x, y| wire(&facet.triangle, border[facet.number], x, y, lit(facet.flat_normal(), material)))
         }
         Paint::Plain { colour, wireframe: false } => {
             let material = colour::light_from_srgb(colour);
-            let relief = Relief::measure(&seen, own, |f, x, y| surface.normal(f, x, y).0);
+            let relief = Relief::measure(&surface.seen, own, |f, x, y| surface.facet(f).normal(x, y).0);
             painted.relief_gain = relief.gain;
-            shade(&seen, &|f, x, y| lit(relief.steepened(surface.normal(f, x, y).0, x, y), material))
+            shade(&|facet, x, y| lit(relief.steepened(facet.normal(x, y).0, x, y), material))
         }
         Paint::Scalar { values, maximum, .. } => {
             let map: Vec<Light> = (0..=MAP).map(|i| colour::viridis(i as f32 / MAP as f32)).collect();
             let maximum = usable_maximum(maximum);
-            shade(&seen, &|f, x, y| {
-                let (normal, weights) = surface.normal(f, x, y);
-                let value: f64 = (0..3).map(|k| weights[k] * values.get(faces[f][k]).copied().unwrap_or(f64::NAN)).sum();
+            shade(&|facet, x, y| {
+                let (normal, weights) = facet.normal(x, y);
+                let corners = surface.faces[facet.number];
+                let value: f64 = (0..3).map(|k| weights[k] * values.get(corners[k]).copied().unwrap_or(f64::NAN)).sum();
                 let paint =
                     if value.is_finite() { map[((value / maximum).clamp(0.0, 1.0) * MAP as f64).round() as usize] } else { [0.35; 3] };
                 tinted(normal, paint)
@@ -70,12 +62,12 @@ pub(super) fn paint(panel: &PanelView, bodies: Subject, frame: &Frame) -> Painte
         Paint::Phase { corners } => {
             let of_face = |f: usize| corners.get(f).copied().filter(|c| c.iter().all(|p| p.is_finite()));
             painted.unwrinkled = (0..own).any(|f| of_face(f).is_none());
-            shade(&seen, &|f, x, y| {
-                let Some(phase) = of_face(f) else { return [0.0; 3] };
-                let (normal, weights) = surface.normal(f, x, y);
+            shade(&|facet, x, y| {
+                let Some(phase) = of_face(facet.number) else { return [0.0; 3] };
+                let (normal, weights) = facet.normal(x, y);
                 let (sin, cos) = (0..3).map(|k| weights[k] * phase[k]).sum::<f64>().sin_cos();
-                let [gx, gy] = surface.triangle(f).gradient(phase);
-                let fade = resolved(gx.hypot(gy));
+                let [gx, gy] = facet.triangle.gradient(phase);
+                let fade = resolved((gx * gx + gy * gy).sqrt());
                 tinted(normal, colour::cyclic((fade * cos) as f32, (fade * sin) as f32))
             })
         }
@@ -91,20 +83,28 @@ pub(super) fn usable_maximum(maximum: f64) -> f64 {
 /// Steps of the amplitude's colour map.
 const MAP: usize = 1023;
 
-/// A subject made ready for one view.
-struct Surface<'a> {
-    subject: Subject<'a>,
+/// A subject and the bodies around it, made ready for one view. Panels that show the same subject share it.
+pub(super) struct Surface<'a> {
+    /// The first so many faces are the subject's.
+    own: usize,
+    positions: Vec<Vec3>,
+    faces: Vec<[usize; 3]>,
     projected: Projected,
     /// `[V]` mean normal of the faces at each vertex, weighted by their area.
     normals: Vec<Normal>,
+    seen: Seen,
     frame: &'a Frame,
 }
 
 impl<'a> Surface<'a> {
-    fn new(subject: Subject<'a>, frame: &'a Frame) -> Self {
-        let Subject { positions, faces } = subject;
+    /// `subject` among `bodies` in the view of `frame`.
+    pub(super) fn new(subject: Subject, bodies: Subject, frame: &'a Frame) -> Self {
+        let shift = subject.positions.len();
+        let positions = [subject.positions, bodies.positions].concat();
+        let mut faces = subject.faces.to_vec();
+        faces.extend(bodies.faces.iter().map(|face| face.map(|v| v.saturating_add(shift))));
         let mut sums = vec![[0f64; 3]; positions.len()];
-        for face in faces {
+        for face in &faces {
             if face.iter().any(|&v| v >= positions.len()) {
                 continue;
             }
@@ -121,57 +121,78 @@ impl<'a> Surface<'a> {
         let normals = sums
             .par_iter()
             .map(|&sum| {
-                let view = frame.view_from_world * crate::mesh::Vec3::from(sum);
+                let view = frame.view_from_world * Vec3::from(sum);
                 unit([view.x, view.y, view.z])
             })
             .collect();
-        Self { subject, projected: Projected::new(positions, frame), normals, frame }
+        let projected = Projected::new(&positions, frame);
+        let seen = see(&projected, &faces, frame.size);
+        Self { own: subject.faces.len(), positions, faces, projected, normals, seen, frame }
     }
 
-    /// The triangle of a face that is seen.
-    fn triangle(&self, f: usize) -> Triangle {
-        self.projected.triangle(self.subject.faces[f]).expect("a face that is seen has a triangle")
+    /// Face `f`, which must be one that is seen.
+    fn facet(&self, f: usize) -> Facet<'_> {
+        let triangle = self.projected.triangle(self.faces[f]).expect("a face that is seen has a triangle");
+        let sign = if triangle.faces_viewer() { 1.0 } else { -1.0 };
+        let normals = self.faces[f].map(|v| self.normals[v].map(|x| sign * f64::from(x)));
+        Facet { number: f, triangle, normals, surface: self }
     }
+}
 
-    /// Smooth normal and barycentric coordinates at sample `x`, `y` of face `f`.
-    fn normal(&self, f: usize, x: usize, y: usize) -> (Normal, [f64; 3]) {
-        let triangle = self.triangle(f);
-        let weights = triangle.weights(x, y);
-        let corners = self.subject.faces[f].map(|v| self.normals[v]);
-        let sum = [0, 1, 2].map(|c| (0..3).map(|k| weights[k] * f64::from(corners[k][c])).sum::<f64>());
-        let normal = unit(if triangle.faces_viewer() { sum } else { sum.map(|s| -s) });
+/// A face that is seen, made ready for its samples.
+struct Facet<'a> {
+    number: usize,
+    triangle: Triangle,
+    /// Normals of its corners, on the side that faces the viewer.
+    normals: [[f64; 3]; 3],
+    surface: &'a Surface<'a>,
+}
+
+impl Facet<'_> {
+    /// Smooth normal and barycentric coordinates at sample `x`, `y`.
+    fn normal(&self, x: usize, y: usize) -> (Normal, [f64; 3]) {
+        let weights = self.triangle.weights(x, y);
+        let normal = unit([0, 1, 2].map(|c| (0..3).map(|k| weights[k] * self.normals[k][c]).sum::<f64>()));
         if normal == [0.0; 3] {
-            return (self.facet_normal(f, &triangle), weights);
+            return (self.flat_normal(), weights);
         }
         // Past a silhouette the smooth normal of a face that is still seen points away; mirrored, it varies without a jump.
         ([normal[0], normal[1], normal[2].abs()], weights)
     }
 
-    /// Normal of face `f` itself.
-    fn facet_normal(&self, f: usize, triangle: &Triangle) -> Normal {
-        let [a, b, c] = self.subject.faces[f].map(|v| self.subject.positions[v]);
-        let view = self.frame.view_from_world * (b - a).cross(&(c - a));
-        let sign = if triangle.faces_viewer() { 1.0 } else { -1.0 };
+    /// Normal of the face itself.
+    fn flat_normal(&self) -> Normal {
+        let [a, b, c] = self.surface.faces[self.number].map(|v| self.surface.positions[v]);
+        let view = self.surface.frame.view_from_world * (b - a).cross(&(c - a));
+        let sign = if self.triangle.faces_viewer() { 1.0 } else { -1.0 };
         let normal = unit([sign * view.x, sign * view.y, sign * view.z]);
         if normal == [0.0; 3] { [0.0, 0.0, 1.0] } else { normal }
     }
 }
 
-/// Colours every pixel from the samples in it; `colour(face, x, y)` is the light of a sample where a face is seen.
-fn shade(seen: &Seen, colour: impl Fn(usize, usize, usize) -> Light + Sync) -> Image {
+/// Colours every pixel from the samples in it; `colour(facet, x, y)` is the light of a sample where a face is seen.
+fn shade(surface: &Surface, colour: impl Fn(&Facet, usize, usize) -> Light + Sync) -> Image {
+    let seen = &surface.seen;
     let mut image = Image::blank(seen.width / SAMPLES, seen.height / SAMPLES);
     if image.pixels.is_empty() {
         return image;
     }
     let row_length = 3 * image.width;
     image.pixels.par_chunks_mut(row_length).enumerate().for_each(|(row, pixels)| {
+        // Neighbouring samples mostly see the same face.
+        let mut facet: Option<Facet> = None;
         for (column, pixel) in pixels.as_chunks_mut::<3>().0.iter_mut().enumerate() {
             let mut sum = [0f32; 3];
             let mut covered = false;
             for (dy, dx) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 let (x, y) = (column * SAMPLES + dx, row * SAMPLES + dy);
                 let face = seen.faces[y * seen.width + x];
-                let light = if face == NOTHING { [1.0; 3] } else { colour(face as usize, x, y) };
+                let light = if face == NOTHING {
+                    [1.0; 3]
+                } else {
+                    let known = facet.take().filter(|known| known.number == face as usize);
+                    colour(facet.insert(known.unwrap_or_else(|| surface.facet(face as usize))), x, y)
+                };
                 covered |= face != NOTHING;
                 for k in 0..3 {
                     sum[k] += light[k].min(1.0);
@@ -262,7 +283,9 @@ fn dot(a: Normal, b: Normal) -> f32 {
 
 /// `v` at unit length; zero if it has no direction.
 pub(super) fn unit(v: [f64; 3]) -> Normal {
-    let length = v[0].hypot(v[1]).hypot(v[2]);
+    let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    // Where the squares leave the range of numbers, slowly.
+    let length = if square.is_normal() { square.sqrt() } else { v[0].hypot(v[1]).hypot(v[2]) };
     if length > 0.0 && length.is_finite() { v.map(|x| (x / length) as f32) } else { [0.0; 3] }
 }
 

@@ -53,7 +53,7 @@ impl Projected {
         let corners = face.map(|v| self.place[v].map(i64::from));
         let [a, b, c] = corners;
         let doubled_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        (doubled_area != 0).then_some(Triangle { corners, doubled_area })
+        (doubled_area != 0).then(|| Triangle { corners, doubled_area, per_area: 1.0 / doubled_area as f64 })
     }
 }
 
@@ -63,6 +63,8 @@ pub(super) struct Triangle {
     corners: [[i64; 2]; 3],
     /// Twice the signed area; negative if the corners run counter-clockwise on the screen (where y points down).
     doubled_area: i64,
+    /// One over it.
+    per_area: f64,
 }
 
 impl Triangle {
@@ -74,10 +76,9 @@ impl Triangle {
     /// Barycentric coordinates of the middle of sample `x`, `y`.
     pub(super) fn weights(&self, x: usize, y: usize) -> [f64; 3] {
         let p = [x as i64 * SNAP + SNAP / 2, y as i64 * SNAP + SNAP / 2];
-        let area = self.doubled_area as f64;
         let [b, c] = [1, 2].map(|k| {
             let (from, to) = (self.corners[(k + 1) % 3], self.corners[(k + 2) % 3]);
-            cross(from, to, p) as f64 / area
+            cross(from, to, p) as f64 * self.per_area
         });
         [1.0 - b - c, b, c]
     }
@@ -86,7 +87,7 @@ impl Triangle {
     pub(super) fn gradient(&self, values: [f64; 3]) -> [f64; 2] {
         let [a, b, c] = self.corners;
         let (ab, ac) = (values[1] - values[0], values[2] - values[0]);
-        let scale = SNAP as f64 / self.doubled_area as f64;
+        let scale = SNAP as f64 * self.per_area;
         [(ab * (c[1] - a[1]) as f64 - ac * (b[1] - a[1]) as f64) * scale, (ac * (b[0] - a[0]) as f64 - ab * (c[0] - a[0]) as f64) * scale]
     }
 

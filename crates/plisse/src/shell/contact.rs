@@ -87,6 +87,9 @@ impl<'a> Barrier<'a> {
         let length = by.norm();
         let mut part = 1.0_f64;
         for obstacle in self.obstacles {
+            if obstacle.is_beyond(p, length) {
+                continue;
+            }
             let start = obstacle.distance_m(p);
             if start > length {
                 continue;
