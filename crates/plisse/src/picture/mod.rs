@@ -302,6 +302,19 @@ mod tests {
     }
 
     #[test]
+    fn each_panel_shows_its_own_subject() {
+        let flat = grid(1, 1, |u, v| Vec3::new(u, v, 0.0));
+        let half = Subject { positions: &flat.positions, faces: &flat.faces[..1] };
+        let panel = |subject| PanelView { title: "", subject, paint: Paint::Phase { corners: &[] } };
+        let panels = [flat.subject(), half, half, flat.subject()].map(panel);
+        let image = draw(&panels, &Camera::fit(&flat.positions, Axis::Y, 0.0, 0.0), SIZE);
+        for (n, upper_left) in [[0; 3], [255; 3], [255; 3], [0; 3]].into_iter().enumerate() {
+            let (x, y) = (MIDDLE.0 + SIZE.0 / 2 * (n % 2), MIDDLE.1 + SIZE.1 / 2 * (n / 2));
+            assert_eq!((image.pixel(x - 15, y - 15), image.pixel(x + 15, y + 15)), (upper_left, [0; 3]), "panel {n}");
+        }
+    }
+
+    #[test]
     fn both_sides_are_lit() {
         let flat = grid(1, 1, |u, v| Vec3::new(u, v, 0.0));
         let turned: Vec<_> = flat.faces.iter().map(|&[a, b, c]| [a, c, b]).collect();
