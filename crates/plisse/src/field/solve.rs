@@ -19,6 +19,9 @@ use crate::rest::RestMetric;
 use crate::strain::{FaceStrain, strain};
 use crate::{Error, Result};
 
+/// The solve ends with a Newton step that was to lower the energy by less than this share of what the wrinkled faces hold before they wrinkle.
+const LEAST_FALL: f64 = 1e-13;
+
 /// How the field is solved.
 #[derive(Clone, Debug)]
 pub struct FieldOptions {
@@ -32,7 +35,8 @@ pub struct FieldOptions {
     pub curvature_rings: usize,
     /// How indefinite element Hessians are treated before the true Hessian takes over.
     pub convexity: Convexity,
-    /// Largest component of the projected gradient at which the solve ends, in the problem's own units.
+    /// Largest component of the projected gradient at which the solve ends, in the problem's own units; it ends, too, with a step by
+    /// which next to nothing is to be gained (10⁻¹³ of the energy).
     pub tolerance: f64,
     /// Newton iterations at most.
     pub iteration_limit: usize,
@@ -138,6 +142,7 @@ pub fn solve(
         stage: "field",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
+        least_fall: LEAST_FALL,
         convexity: options.convexity,
         ridge: 1e-13,
         leave_saddles: false,

@@ -508,6 +508,7 @@ mod tests {
             stage: "test",
             iteration_limit: 200,
             tolerance: 1e-9,
+            least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 0.0,
             leave_saddles: false,

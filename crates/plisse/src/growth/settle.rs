@@ -230,6 +230,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             stage: "grow",
             iteration_limit: effort.iteration_limit,
             tolerance: effort.tolerance * force,
+            least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
             leave_saddles: false,

@@ -1,13 +1,13 @@
 //! Projected Newton: minimise a smooth energy under lower bounds on some unknowns, with one sparse Cholesky per iteration.
 //!
 //! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982); the others take a Newton step that is
-//! projected back onto the bounds along a backtracking line search. Far from the minimum the element Hessians are made
-//! positive semidefinite; near it the true Hessian is tried, which gives quadratic convergence. Everything is expected to
-//! be without unit and of order one, so that no tolerance mixes units.
+//! projected back onto the bounds along a line search, which goes back where the step is too long and on where the energy falls
+//! faster than foreseen. Far from the minimum the element Hessians are made positive semidefinite; near it the true Hessian is tried,
+//! which gives quadratic convergence (`descent`). Everything is expected to be without unit and of order one, so that no tolerance mixes units.
 //!
 //! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put them right.
 
-use super::cholesky::Cholesky;
+use super::descent::{Descent, Wanted};
 use super::elimination::Groups;
 use super::saddle::downward;
 pub use super::small::Convexity;
@@ -19,6 +19,11 @@ use crate::progress::{Observer, Step};
 const FIRST_DAMPING: f64 = 1e-8;
 /// The same at most, where walls ([`Problem::longest_step`]) and not the energy cut steps short.
 const MOST_WALL_DAMPING: f64 = 1e-4;
+
+/// A whole step along which the energy falls by more than this share of its slope (half of it, if the energy bends as the model does) is too
+/// short: then multiples of it are tried, up to so many.
+const LESS_BENT: f64 = 0.7;
+const LONGEST_STEP: f64 = 64.0;
 
 /// Saddles left at most, and the longest first step (largest component) away from one.
 const MOST_SADDLES: usize = 5;
@@ -66,6 +71,9 @@ pub struct Options {
     pub iteration_limit: usize,
     /// The step ends when no component of the projected gradient is larger.
     pub tolerance: f64,
+    /// The step ends, too, with a Newton step of the true Hessian, positive definite, that was to lower the energy by less; 0 for never.
+    /// (By energy and not by gradient, so that what costs next to nothing, such as phases where there is hardly an amplitude, does not count.)
+    pub least_fall: f64,
     /// How element Hessians are treated until the true Hessian is positive definite.
     pub convexity: Convexity,
     /// Share of the largest diagonal entry that is added to each, so that directions without stiffness do not move.
@@ -80,7 +88,7 @@ pub struct Options {
 /// How a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// The projected gradient is below the tolerance.
+    /// The projected gradient is below the tolerance, or nothing is to be gained by a step ([`Options::least_fall`]).
     Converged,
     /// No step lowers the energy any more; the projected gradient is as small as rounding lets it become.
     RoundOff,
@@ -123,22 +131,18 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
     let mut gradient = vec![0.0; n];
     let pattern = problem.pattern();
-    let (cholesky, mut energy) = rayon::join(|| Cholesky::for_many(pattern, groups), || problem.linearise(&x, &mut gradient));
-    let mut cholesky = cholesky?;
-    let diagonal_of = |pattern: &SymmetricPattern| -> Vec<usize> { (0..n).map(|i| pattern.slot(i, i)).collect() };
-    let mut diagonal = diagonal_of(cholesky.pattern());
-    let mut values = vec![0.0; cholesky.pattern().entry_count()];
+    let (descent, mut energy) = rayon::join(|| Descent::new(pattern, groups), || problem.linearise(&x, &mut gradient));
+    let mut descent = descent?;
     let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut held = vec![false; n];
     let mut residual = largest_projected(&x, &lower, &gradient);
-    let (mut exact_wait, mut exact_failures) = (0_u32, 0_u32);
     let mut settled = false;
     let mut saddles = 0;
     let mut damping = options.ridge;
     let mut iterations = 0;
     let ending = loop {
         if residual <= options.tolerance {
-            if !leave(problem, &mut cholesky, &mut values, &diagonal, options, &mut saddles, &x, energy, &mut trial) {
+            if !leave(problem, &mut descent, options, &mut saddles, &x, energy, &mut trial) {
                 break Ending::Converged;
             }
             std::mem::swap(&mut x, &mut trial);
@@ -153,40 +157,17 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
             break Ending::Cancelled;
         }
         if let Some(pattern) = problem.changed_pattern() {
-            diagonal = diagonal_of(&pattern);
-            values.resize(pattern.entry_count(), 0.0);
-            cholesky = cholesky.again(pattern, problem.groups())?;
+            descent = descent.again(pattern, problem.groups())?;
         }
         // Bertsekas' ε: unknowns this near to their bound count as at it.
         let near = residual.min(1e-3);
         for i in 0..n {
             held[i] = x[i] <= lower[i] + near && gradient[i] > 0.0;
         }
-        // The true Hessian once steps are small, a convex one before that and where the true one is indefinite.
-        let mut solved = false;
-        if options.convexity != Convexity::Exact && settled && exact_wait == 0 {
-            problem.hessian(Convexity::Exact, &mut values);
-            solved = newton_direction(problem, &mut cholesky, &mut values, &diagonal, &held, damping, &gradient, &mut direction);
-            if solved {
-                exact_failures = 0;
-            } else {
-                exact_failures = (exact_failures + 1).min(5);
-                exact_wait = exact_failures;
-            }
-        } else {
-            exact_wait = exact_wait.saturating_sub(1);
-        }
-        let mut ridge = damping;
-        while !solved {
-            problem.hessian(options.convexity, &mut values);
-            solved = newton_direction(problem, &mut cholesky, &mut values, &diagonal, &held, ridge, &gradient, &mut direction);
-            if !solved {
-                ridge *= 100.0;
-                if ridge > 1e8 || ridge.is_nan() {
-                    break;
-                }
-            }
-        }
+        let wanted = Wanted { convexity: options.convexity, settled, damping, held: &held, gradient: &gradient };
+        let solved = descent.find(problem, &wanted, &mut direction);
+        let exact = solved && settled && damping <= options.ridge && descent.exact();
+        let last = exact && fall(&x, &lower, &gradient, &direction) < options.least_fall;
         let mut accepted = false;
         if solved {
             let longest = problem.longest_step(&x, &direction);
@@ -207,7 +188,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                     }
                     break;
                 }
-                let trial_energy = problem.energy(&trial);
+                let mut trial_energy = problem.energy(&trial);
                 if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
                     accepted = true;
                     // A short step says that the model reaches too far, e.g. that a slack face would be pulled taut; or that there is a
@@ -220,6 +201,9 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                     } else if length == 1.0 {
                         damping = (damping * 0.1).max(options.ridge);
                     }
+                    if length == 1.0 && settled && trial_energy < energy + LESS_BENT * slope {
+                        trial_energy = go_on(problem, &x, &direction, &lower, trial_energy, &mut trial, &mut trial_gradient);
+                    }
                     settled = energy - trial_energy < 1e-2 * energy.abs();
                     break;
                 }
@@ -230,7 +214,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         if !accepted {
             // The problem remembers a trial point now.
             problem.linearise(&x, &mut gradient);
-            if !leave(problem, &mut cholesky, &mut values, &diagonal, options, &mut saddles, &x, energy, &mut trial) {
+            if !leave(problem, &mut descent, options, &mut saddles, &x, energy, &mut trial) {
                 break Ending::RoundOff;
             }
             settled = false;
@@ -246,18 +230,18 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
             residual,
             tolerance: options.tolerance,
         });
+        if last {
+            break Ending::Converged;
+        }
     };
     Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
 }
 
 /// If it is asked for and the Hessian where the problem was last linearised, at `x`, is not positive definite: `trial` lower down; tells
 /// whether there is one.
-#[allow(clippy::too_many_arguments)]
 fn leave(
     problem: &mut dyn Problem,
-    cholesky: &mut Cholesky,
-    values: &mut [f64],
-    diagonal: &[usize],
+    descent: &mut Descent,
     options: &Options,
     saddles: &mut usize,
     x: &[f64],
@@ -268,7 +252,7 @@ fn leave(
         return false;
     }
     *saddles += 1;
-    let way = downward(problem, cholesky, values, diagonal, options.convexity, options.ridge);
+    let way = downward(problem, descent, options.convexity, options.ridge);
     way.is_some_and(|way| step_down(problem, x, energy, &way, trial))
 }
 
@@ -295,100 +279,47 @@ fn step_down(problem: &mut dyn Problem, x: &[f64], energy: f64, way: &[f64], tri
     least.1 > 0.0
 }
 
+/// From `trial`, the end of the whole step `direction` from `x`, where the energy is `energy`: to twice, four times, … that step, as long as the
+/// energy falls and no wall is met. Returns the energy at the new `trial`; `farther` is room for one more.
+fn go_on(
+    problem: &mut dyn Problem,
+    x: &[f64],
+    direction: &[f64],
+    lower: &[f64],
+    mut energy: f64,
+    trial: &mut Vec<f64>,
+    farther: &mut Vec<f64>,
+) -> f64 {
+    let whole: Vec<f64> = direction.iter().map(|d| d * LONGEST_STEP).collect();
+    let longest = LONGEST_STEP * problem.longest_step(x, &whole);
+    let mut length = 2.0;
+    while length <= longest {
+        for i in 0..x.len() {
+            farther[i] = (x[i] + length * direction[i]).max(lower[i]);
+        }
+        let there = problem.energy(farther);
+        if there.is_nan() || there >= energy {
+            break;
+        }
+        energy = there;
+        std::mem::swap(trial, farther);
+        length *= 2.0;
+    }
+    energy
+}
+
+/// How much a quadratic energy falls by its Newton step `direction` from `x`.
+fn fall(x: &[f64], lower: &[f64], gradient: &[f64], direction: &[f64]) -> f64 {
+    let slope: f64 = (0..x.len()).map(|i| gradient[i] * ((x[i] + direction[i]).max(lower[i]) - x[i])).sum();
+    -0.5 * slope
+}
+
 fn largest_projected(x: &[f64], lower: &[f64], gradient: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for i in 0..x.len() {
         largest = largest.max(projected(x[i], lower[i], gradient[i]).abs());
     }
     largest
-}
-
-#[allow(clippy::too_many_arguments)]
-fn newton_direction(
-    problem: &dyn Problem,
-    cholesky: &mut Cholesky,
-    values: &mut [f64],
-    diagonal: &[usize],
-    held: &[bool],
-    ridge: f64,
-    gradient: &[f64],
-    direction: &mut [f64],
-) -> bool {
-    let largest = diagonal.iter().map(|&slot| values[slot].abs()).fold(0.0, f64::max);
-    let shift = if largest > 0.0 { ridge * largest } else { 1.0 };
-    for &slot in diagonal {
-        values[slot] += shift;
-    }
-    cholesky.pattern().isolate(values, held);
-    if !cholesky.factorise(values) {
-        return false;
-    }
-    // Held unknowns go down their own gradient, to the bound; the line search projects them.
-    for i in 0..direction.len() {
-        direction[i] = -gradient[i];
-    }
-    cholesky.solve(direction);
-    // Rough while the gradient (of order one at most) is large, so that the steps still shrink it faster and faster (Eisenstat & Walker).
-    let largest = gradient.iter().zip(held).filter(|(_, held)| !**held).fold(0.0_f64, |most, (g, _)| most.max(g.abs()));
-    let content = largest.sqrt().clamp(CONTENT[1], CONTENT[0]);
-    conjugate_gradients(problem, cholesky, values, gradient, content, direction);
-    let mut slope = 0.0;
-    for i in 0..direction.len() {
-        slope += direction[i] * gradient[i];
-    }
-    slope < 0.0
-}
-
-/// Relative residual at which [`conjugate_gradients`] is content: far from the minimum, where a Newton step is rough anyway, and close
-/// to it; and the steps it takes at most.
-const CONTENT: [f64; 2] = [1e-2, 1e-6];
-const MOST_STEPS: usize = 60;
-
-/// Where the factorised matrix P leaves a part of the Hessian out, solves H·direction = −gradient by conjugate gradients with P
-/// as preconditioner; `direction` comes in as −P⁻¹·gradient. Every iterate is a direction of descent.
-fn conjugate_gradients(
-    problem: &dyn Problem,
-    cholesky: &mut Cholesky,
-    values: &[f64],
-    gradient: &[f64],
-    content: f64,
-    direction: &mut [f64],
-) {
-    let n = direction.len();
-    let mut image = vec![0.0; n];
-    if !problem.add_rest_of_hessian(direction, &mut image) {
-        return;
-    }
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut residual: Vec<f64> = gradient.iter().map(|g| -g).collect();
-    let mut search = direction.to_vec();
-    direction.fill(0.0);
-    let mut square = dot(&residual, &search);
-    let enough = content * content * square;
-    let mut solved = vec![0.0; n];
-    for _ in 0..MOST_STEPS {
-        cholesky.pattern().multiply(values, &search, &mut image);
-        problem.add_rest_of_hessian(&search, &mut image);
-        let bend = dot(&search, &image);
-        if bend.is_nan() || bend <= 0.0 {
-            break;
-        }
-        let step = square / bend;
-        for i in 0..n {
-            direction[i] += step * search[i];
-            residual[i] -= step * image[i];
-        }
-        solved.copy_from_slice(&residual);
-        cholesky.solve(&mut solved);
-        let next = dot(&residual, &solved);
-        if next.is_nan() || next <= enough {
-            break;
-        }
-        for i in 0..n {
-            search[i] = solved[i] + next / square * search[i];
-        }
-        square = next;
-    }
 }
 
 #[cfg(test)]
@@ -431,6 +362,7 @@ mod tests {
             stage: "test",
             iteration_limit: 200,
             tolerance: 1e-10,
+            least_fall: 0.0,
             convexity: Convexity::Mirrored,
             ridge: 1e-14,
             leave_saddles: false,
@@ -508,6 +440,7 @@ mod tests {
             stage: "test",
             iteration_limit: 100,
             tolerance: 1e-11,
+            least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 0.0,
             leave_saddles: false,
@@ -552,6 +485,7 @@ mod tests {
             stage: "test",
             iteration_limit: 100,
             tolerance: 1e-10,
+            least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
             leave_saddles,
@@ -599,6 +533,7 @@ mod tests {
             stage: "test",
             iteration_limit: 200,
             tolerance: 1e-9,
+            least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
             leave_saddles: false,
@@ -607,5 +542,61 @@ mod tests {
         let found = minimise(&mut Walled, &[3.0, 0.0], &options, &Silent).unwrap();
         assert_eq!(found.ending, Ending::Converged);
         assert!((found.x[1] - 100.0).abs() < 1e-8 && found.iterations < 100, "{:?} in {}", found.x, found.iterations);
+    }
+
+    /// 1 + (x₀ − 100)²/2 + 10⁻⁹ x₁⁴, with a convex bound that is far too stiff along x₀ and a true Hessian that is of no use there.
+    struct Stiff {
+        x: [f64; 2],
+        exact: f64,
+    }
+
+    impl Problem for Stiff {
+        fn pattern(&self) -> SymmetricPattern {
+            SymmetricPattern::from_elements(2, [&[0, 1][..]].into_iter())
+        }
+        fn lower_bounds(&self) -> Vec<f64> {
+            vec![f64::NEG_INFINITY; 2]
+        }
+        fn energy(&mut self, x: &[f64]) -> f64 {
+            1.0 + 0.5 * (x[0] - 100.0).powi(2) + 1e-9 * x[1].powi(4)
+        }
+        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+            self.x = [x[0], x[1]];
+            g.copy_from_slice(&[x[0] - 100.0, 4e-9 * x[1].powi(3)]);
+            self.energy(x)
+        }
+        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+            let bend = if convexity == Convexity::Exact { self.exact } else { 50.0 };
+            values.copy_from_slice(&[bend, 0.0, 12e-9 * self.x[1] * self.x[1]]);
+        }
+    }
+
+    fn stiff(exact: f64, least_fall: f64, begin: [f64; 2]) -> Outcome {
+        let options = Options {
+            stage: "test",
+            iteration_limit: 1000,
+            tolerance: 1e-15,
+            least_fall,
+            convexity: Convexity::Clamped,
+            ridge: 1e-20,
+            leave_saddles: false,
+            energy_unit_joule: 1.0,
+        };
+        minimise(&mut Stiff { x: begin, exact }, &begin, &options, &Silent).unwrap()
+    }
+
+    #[test]
+    fn steps_go_on_where_the_model_is_too_stiff() {
+        let found = stiff(-1e3, 0.0, [99.9, 0.0]);
+        assert!((found.x[0] - 100.0).abs() < 1e-5, "{:?}", found.x);
+        // A fiftieth of the way with each step takes hundreds of them.
+        assert!(found.iterations < 60, "{}", found.iterations);
+    }
+
+    #[test]
+    fn it_ends_where_nothing_is_to_be_gained() {
+        let [all, enough] = [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0]));
+        assert_eq!([all.ending, enough.ending], [Ending::Converged; 2]);
+        assert!(enough.iterations + 3 < all.iterations && enough.energy - all.energy < 1e-12, "{} {}", enough.iterations, all.iterations);
     }
 }

@@ -138,6 +138,7 @@ pub(super) fn settle(
         stage: effort.stage,
         iteration_limit: effort.iteration_limit,
         tolerance: effort.tolerance,
+        least_fall: 0.0,
         convexity: Convexity::Clamped,
         ridge: 1e-14,
         leave_saddles: effort.leave_saddles,
