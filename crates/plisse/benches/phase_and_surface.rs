@@ -44,7 +44,7 @@ fn subdivide(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     bencher.bench_local(|| {
         let refinement = refine(&sheet.topology, &[], &[]);
-        refinement.apply(&sheet.pose)
+        refinement.masks.apply(&sheet.pose)
     });
 }
 

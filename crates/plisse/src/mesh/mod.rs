@@ -1,10 +1,11 @@
 //! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]) and [`closed`] surfaces, sewing ([`sew`]), welding and checks
-//! ([`check`]), Loop subdivision ([`subdivide`]).
+//! ([`check`]), Loop subdivision ([`subdivide`], by [`masks`]).
 
 pub mod check;
 pub mod closed;
 pub mod crossing;
 pub mod grid;
+pub mod masks;
 pub mod panel;
 pub mod reach;
 pub(crate) mod scatter;

@@ -1,111 +1,64 @@
-//! Loop subdivision: each face becomes four, and smooth positions of the fine vertices are weighted means of coarse ones.
-//! The weights are kept as a sparse matrix, so one refinement serves positions, poses of many frames and scalar fields.
+//! Loop subdivision: each face becomes four, and smooth positions of the fine vertices are weighted means of coarse ones ([`Masks`]).
 //!
-//! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for even vertices, and the
-//! cubic B-spline masks 1/8 3/4 1/8 and 1/2 1/2 along boundaries and creases. Rest panels are refined linearly
-//! ([`refine_rest`]), so that fine rest vertices stay in their flat panels and seams stay cut. All of it takes linear time.
+//! Rest panels are refined linearly ([`refine_rest`]), so that fine rest vertices stay in their flat panels and seams stay cut. All of it takes
+//! linear time.
 
-use std::f64::consts::TAU;
 use std::ops::{Add, Mul};
 
+use super::masks::Masks;
 use super::{NONE, Topology};
 
-/// One step of Loop subdivision. Fine vertices are the `V` coarse ones under their old numbers, then `V + e` on each coarse edge `e`.
-/// Coarse face `f` becomes fine faces `4f + k`, k = 0, 1, 2: (corner k, middle of side k, middle of side k+2), and
-/// `4f + 3`: (middles of sides 0, 1, 2), all with the orientation of `f`.
+/// One step of Loop subdivision of a mesh: its fine connectivity, and weights for what is smooth everywhere or has creases. Fine vertices are
+/// the `V` coarse ones under their old numbers, then `V + e` on each coarse edge `e`. Coarse face `f` becomes fine faces `4f + k`, k = 0, 1, 2:
+/// (corner k, middle of side k, middle of side k+2), and `4f + 3`: (middles of sides 0, 1, 2), all with the orientation of `f`.
+pub struct Subdivision<'a> {
+    coarse: &'a Topology,
+    around: EdgesAround,
+}
+
+impl<'a> Subdivision<'a> {
+    /// Of `coarse`.
+    pub fn new(coarse: &'a Topology) -> Self {
+        Self { coarse, around: EdgesAround::new(coarse.vertex_count, &coarse.edges) }
+    }
+
+    /// Connectivity of the fine mesh.
+    pub fn fine(&self) -> Topology {
+        refine_topology(self.coarse, &self.around)
+    }
+
+    /// Weights of the fine vertices. Edges with a true `crease` (`[E]`, or empty for none) are smoothed like boundary
+    /// edges, only along themselves. Vertices with two crease or boundary edges move along these, with more they stay fixed, and with one
+    /// (where a crease ends) they are smoothed as if there were none. Vertices with a true `corner` (`[V]` or fewer, or empty for
+    /// none; missing ones are not) stay fixed too.
+    ///
+    /// # Panics
+    /// If `crease` is neither empty nor of length E.
+    pub fn masks(&self, crease: &[bool], corner: &[bool]) -> Masks {
+        Masks::new(self.coarse, &self.around, crease, corner)
+    }
+}
+
+/// One step of Loop subdivision with everything at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
-    /// Connectivity of the fine mesh.
+    /// Connectivity of the fine mesh, numbered as [`Subdivision`] says.
     pub fine: Topology,
     /// `[fine E]` the creases halved, to go on refining with; empty if none were given.
     pub fine_crease: Vec<bool>,
-    /// `[fine V + 1]` where each fine vertex's entries start in `columns` and `weights`.
-    starts: Vec<usize>,
-    /// Coarse vertices that a fine vertex depends on.
-    columns: Vec<usize>,
-    /// Weight of each; they sum to 1 per fine vertex.
-    weights: Vec<f64>,
+    /// Weights of the fine vertices.
+    pub masks: Masks,
 }
 
-impl Refinement {
-    /// `[fine V]` values at fine vertices from `coarse` (`[V]`), for scalars or vectors: smoothed means of their neighbourhood.
-    ///
-    /// # Panics
-    /// If `coarse` has fewer values than the coarse mesh has vertices.
-    pub fn apply<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(&self, coarse: &[T]) -> Vec<T> {
-        let mean = |fine_vertex: usize| {
-            let (columns, weights) = self.row(fine_vertex);
-            let first = coarse[columns[0]] * weights[0];
-            columns[1..].iter().zip(&weights[1..]).fold(first, |sum, (&v, &w)| sum + coarse[v] * w)
-        };
-        (0..self.fine.vertex_count).map(mean).collect()
-    }
-
-    /// The coarse vertices that fine vertex `v` depends on, and their weights.
-    pub fn row(&self, v: usize) -> (&[usize], &[f64]) {
-        let entries = self.starts[v]..self.starts[v + 1];
-        (&self.columns[entries.clone()], &self.weights[entries])
-    }
-
-    /// Coarse face that fine face `f` is a part of.
-    pub fn face_parent(&self, f: usize) -> usize {
-        f / 4
-    }
-}
-
-/// One step of Loop subdivision of `coarse`. Edges with a true `crease` (`[E]`, or empty for none) are smoothed like boundary
-/// edges, only along themselves. Vertices with two crease or boundary edges move along these, with more they stay fixed, and with one
-/// (where a crease ends) they are smoothed as if there were none. Vertices with a true `corner` (`[V]` or fewer, or empty for
-/// none; missing ones are not) stay fixed too.
+/// One step of Loop subdivision of `coarse`, with `crease` and `corner` as [`Subdivision::masks`] says.
 ///
 /// # Panics
 /// If `crease` is neither empty nor of length E.
 pub fn refine(coarse: &Topology, crease: &[bool], corner: &[bool]) -> Refinement {
-    assert!(crease.is_empty() || crease.len() == coarse.edge_count(), "a crease flag for each edge, or none");
-    let around = EdgesAround::new(coarse.vertex_count, &coarse.edges);
-    let fine = refine_topology(coarse, &around);
-    let sharp = |e: usize| coarse.is_boundary_edge(e) || (!crease.is_empty() && crease[e]);
-    let entries = 7 * coarse.vertex_count + 4 * coarse.edge_count();
-    let mut rows = Rows {
-        starts: Vec::with_capacity(fine.vertex_count + 1),
-        columns: Vec::with_capacity(entries),
-        weights: Vec::with_capacity(entries),
-    };
-    rows.starts.push(0);
-    for v in 0..coarse.vertex_count {
-        let edges = around.of(v);
-        let across = |e: usize| coarse.edges[e][0] + coarse.edges[e][1] - v;
-        let fixed = corner.get(v).copied().unwrap_or(false);
-        match edges.iter().filter(|&&e| sharp(e)).count() {
-            _ if fixed => rows.push(v, 1.0),
-            0 | 1 => {
-                let beta = loop_beta(edges.len());
-                rows.push(v, 1.0 - edges.len() as f64 * beta);
-                edges.iter().for_each(|&e| rows.push(across(e), beta));
-            }
-            2 => {
-                rows.push(v, 0.75);
-                edges.iter().filter(|&&e| sharp(e)).for_each(|&e| rows.push(across(e), 0.125));
-            }
-            _ => rows.push(v, 1.0),
-        }
-        rows.close();
-    }
-    for (e, &[i, j]) in coarse.edges.iter().enumerate() {
-        if sharp(e) {
-            rows.push(i, 0.5);
-            rows.push(j, 0.5);
-        } else {
-            rows.push(i, 0.375);
-            rows.push(j, 0.375);
-            for f in coarse.edge_faces[e] {
-                rows.push(coarse.faces[f].iter().sum::<usize>() - i - j, 0.125);
-            }
-        }
-        rows.close();
-    }
+    let step = Subdivision::new(coarse);
+    let (fine, masks) = rayon::join(|| step.fine(), || step.masks(crease, corner));
     let fine_crease = if crease.is_empty() { Vec::new() } else { halve_creases(&fine, coarse.vertex_count, crease) };
-    Refinement { fine, fine_crease, starts: rows.starts, columns: rows.columns, weights: rows.weights }
+    Refinement { fine, fine_crease, masks }
 }
 
 /// Rest vertices and faces refined linearly: coarse rest vertices, then the middle of each rest edge (sorted, lower vertex
@@ -123,13 +76,6 @@ where
     fine_positions.extend_from_slice(positions);
     fine_positions.extend(edges.iter().map(|&[i, j]| (positions[i] + positions[j]) * 0.5));
     (fine_positions, split_faces(positions.len(), faces, &face_edges))
-}
-
-/// Loop's weight of each of the `n` neighbours of a vertex.
-fn loop_beta(n: usize) -> f64 {
-    let n = n as f64;
-    let c = 0.375 + 0.25 * (TAU / n).cos();
-    (0.625 - c * c) / n
 }
 
 /// The four parts of each face.
@@ -203,8 +149,8 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
     Topology { vertex_count: vertex_count + edge_count, faces: fine_faces, edges, face_edges, edge_faces }
 }
 
-/// `[fine E]` true on the halves of coarse creases.
-fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool]) -> Vec<bool> {
+/// `[fine E]` true on the halves of coarse creases (`crease`, `[E]`); `fine` is [`Subdivision::fine`] of a mesh of `coarse_vertex_count` vertices.
+pub fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool]) -> Vec<bool> {
     fine.edges.iter().map(|&[v, mid]| v < coarse_vertex_count && crease[mid - coarse_vertex_count]).collect()
 }
 
@@ -247,7 +193,7 @@ fn rest_edges(vertex_count: usize, faces: &[[usize; 3]]) -> (Vec<[usize; 2]>, Ve
 }
 
 /// The edges at each vertex, ascending.
-struct EdgesAround {
+pub(super) struct EdgesAround {
     /// `[V+1]` where each vertex's edges start in `edges`.
     starts: Vec<usize>,
     edges: Vec<usize>,
@@ -273,26 +219,8 @@ impl EdgesAround {
         Self { starts, edges: around }
     }
 
-    fn of(&self, v: usize) -> &[usize] {
+    pub(super) fn of(&self, v: usize) -> &[usize] {
         &self.edges[self.starts[v]..self.starts[v + 1]]
-    }
-}
-
-/// A sparse matrix in the making, row by row.
-struct Rows {
-    starts: Vec<usize>,
-    columns: Vec<usize>,
-    weights: Vec<f64>,
-}
-
-impl Rows {
-    fn push(&mut self, column: usize, weight: f64) {
-        self.columns.push(column);
-        self.weights.push(weight);
-    }
-
-    fn close(&mut self) {
-        self.starts.push(self.columns.len());
     }
 }
 
@@ -341,6 +269,11 @@ mod tests {
         sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
     }
 
+    /// What fine vertex `v` depends on, and how much.
+    fn row(r: &Refinement, v: usize) -> (&[usize], &[f64]) {
+        (r.masks.row(v).vertices, r.masks.row(v).weights)
+    }
+
     fn area(t: &Topology, x: &[Vec3]) -> f64 {
         t.faces.iter().map(|f| 0.5 * (x[f[1]] - x[f[0]]).cross(&(x[f[2]] - x[f[0]])).norm()).sum()
     }
@@ -386,8 +319,8 @@ mod tests {
     fn weights_sum_to_one_and_are_positive() {
         let (cube, _, crease) = cube();
         for r in [refine(&square().0, &[], &[]), refine(&cube, &[], &[]), refine(&cube, &crease, &[])] {
-            assert!(r.apply(&vec![3.0; r.fine.vertex_count]).iter().all(|x| (x - 3.0f64).abs() < 1e-14));
-            assert!((0..r.fine.vertex_count).all(|v| r.row(v).1.iter().all(|&w| w > 0.0)));
+            assert!(r.masks.apply(&vec![3.0; r.fine.vertex_count]).iter().all(|x| (x - 3.0f64).abs() < 1e-14));
+            assert!((0..r.fine.vertex_count).all(|v| r.masks.row(v).weights.iter().all(|&w| w > 0.0)));
         }
     }
 
@@ -396,8 +329,8 @@ mod tests {
         let affine = |p: &Vec2| 3.0 - 2.0 * p.x + 0.7 * p.y;
         for (coarse, positions) in [square(), grid(4)] {
             let r = refine(&coarse, &[], &[]);
-            let field = r.apply(&positions.iter().map(affine).collect::<Vec<_>>());
-            for (value, p) in field.iter().zip(r.apply(&positions)) {
+            let field = r.masks.apply(&positions.iter().map(affine).collect::<Vec<_>>());
+            for (value, p) in field.iter().zip(r.masks.apply(&positions)) {
                 assert!((value - affine(&p)).abs() < 1e-13);
             }
         }
@@ -406,7 +339,7 @@ mod tests {
     #[test]
     fn a_regular_grid_stays_where_it_is_inside() {
         let (coarse, positions) = grid(4);
-        let fine = refine(&coarse, &[], &[]).apply(&positions);
+        let fine = refine(&coarse, &[], &[]).masks.apply(&positions);
         let on_boundary = coarse.boundary_vertices();
         for v in (0..coarse.vertex_count).filter(|&v| !on_boundary[v]) {
             assert!((fine[v] - positions[v]).norm() < 1e-14);
@@ -420,11 +353,11 @@ mod tests {
     fn straight_boundaries_stay_straight_and_depend_on_nothing_inside() {
         let (coarse, positions) = square();
         let r = refine(&coarse, &[], &[]);
-        let fine = r.apply(&positions);
+        let fine = r.masks.apply(&positions);
         let on_boundary = coarse.boundary_vertices();
         let corner = |p: Vec2| (p - Vec2::new(0.5, 0.5)).amin() == 0.5;
         for v in 0..r.fine.vertex_count {
-            let from_boundary = r.row(v).0.iter().all(|&c| on_boundary[c]);
+            let from_boundary = r.masks.row(v).vertices.iter().all(|&c| on_boundary[c]);
             if r.fine.boundary_vertices()[v] {
                 assert!(from_boundary);
                 // Squares have rounded corners, since a boundary vertex has two boundary edges there too.
@@ -441,7 +374,7 @@ mod tests {
         let (mut t, mut x, mut crease) = cube();
         for _ in 0..3 {
             let r = refine(&t, &crease, &[]);
-            x = r.apply(&x);
+            x = r.masks.apply(&x);
             (t, crease) = (r.fine, r.fine_crease);
         }
         // 12 edges of 8 pieces; their ends, where three creases meet, are fixed, so the cube stays a cube.
@@ -461,17 +394,17 @@ mod tests {
         crease[e] = true;
         let (with, without) = (refine(&coarse, &crease, &[]), refine(&coarse, &[], &[]));
         for v in 0..with.fine.vertex_count {
-            assert_eq!(with.row(v) == without.row(v), v != coarse.vertex_count + e);
+            assert_eq!(with.masks.row(v) == without.masks.row(v), v != coarse.vertex_count + e);
         }
-        assert_eq!(with.row(coarse.vertex_count + e), (&[12, 13][..], &[0.5, 0.5][..]));
+        assert_eq!(row(&with, coarse.vertex_count + e), (&[12, 13][..], &[0.5, 0.5][..]));
     }
 
     #[test]
     fn fans_that_touch_in_a_vertex_hold_it_fixed() {
         let bow_tie = Topology::new("bow tie", 5, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
         let r = refine(&bow_tie, &[], &[]);
-        assert_eq!(r.row(2), (&[2][..], &[1.0][..]));
-        assert_eq!(r.row(0), (&[0, 1, 2][..], &[0.75, 0.125, 0.125][..]));
+        assert_eq!(row(&r, 2), (&[2][..], &[1.0][..]));
+        assert_eq!(row(&r, 0), (&[0, 1, 2][..], &[0.75, 0.125, 0.125][..]));
     }
 
     #[test]
@@ -480,7 +413,7 @@ mod tests {
         let mut areas = vec![area(&t, &x)];
         for _ in 0..6 {
             let r = refine(&t, &[], &[]);
-            x = r.apply(&x);
+            x = r.masks.apply(&x);
             t = r.fine;
             areas.push(area(&t, &x));
         }
@@ -488,13 +421,6 @@ mod tests {
         assert!(steps.windows(2).all(|s| s[1] < 0.5 * s[0]), "{areas:?}");
         // Second order: the last step is a fourth of the one before.
         assert!((steps[4] / steps[5] - 4.0).abs() < 0.4, "{steps:?}");
-    }
-
-    #[test]
-    fn loop_weights_are_those_of_the_thesis() {
-        assert!((loop_beta(6) - 1.0 / 16.0).abs() < 1e-15);
-        assert!((loop_beta(3) - 3.0 / 16.0).abs() < 1e-15);
-        assert!((4.0 * loop_beta(4) - 31.0 / 64.0).abs() < 1e-15);
     }
 
     #[test]
@@ -533,7 +459,6 @@ mod tests {
         assert_eq!(refine(&coarse, &[], &[]), refine(&coarse.clone(), &[], &[]));
         let (e, first) = (coarse.edge_count(), refine(&coarse, &[], &[]));
         assert_ne!(first, refine(&coarse, &vec![true; e], &[]));
-        assert!((0..first.fine.face_count()).all(|f| first.face_parent(f) == f / 4));
     }
 
     #[test]

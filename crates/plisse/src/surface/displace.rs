@@ -29,9 +29,9 @@ const STEEPEST: f64 = 4.0;
 /// `[V]` positions (m) of the wrinkled surface.
 pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
     let topology = &surface.topology;
-    let normals = vertex_normals(topology, &surface.base);
     // Slow vectors per face, then their mean at vertices, by area.
-    let per_face: Vec<Slow> = (0..topology.face_count()).into_par_iter().map(|f| slow(surface, how, f)).collect();
+    let per_face = || -> Vec<Slow> { (0..topology.face_count()).into_par_iter().map(|f| slow(surface, how, f)).collect() };
+    let (per_face, normals) = rayon::join(per_face, || vertex_normals(topology, &surface.base));
     let mut sum = vec![(Slow::default(), 0.0); topology.vertex_count];
     let mut phase = vec![0.0; topology.vertex_count];
     for (f, face) in topology.faces.iter().enumerate() {
@@ -54,11 +54,12 @@ pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
             if *weight <= 0.0 || a == 0.0 {
                 return surface.base[v];
             }
-            let mut moved = surface.base[v] + normals[v] * (a * phase[v].cos()) + slow.v1 * (a * phase[v].sin() / weight);
+            let (sine, cosine) = phase[v].sin_cos();
+            let mut moved = surface.base[v] + normals[v] * (a * cosine) + slow.v1 * (a * sine / weight);
             if how.v2 {
                 let gradient = slow.gradient / *weight;
                 let steep = (a * gradient.norm() / STEEPEST).max(1.0);
-                moved += gradient * (a * a / 8.0 * (2.0 * phase[v]).sin() / steep);
+                moved += gradient * (a * a / 4.0 * sine * cosine / steep);
             }
             moved
         })

@@ -7,8 +7,11 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use crate::field::WrinkleField;
-use crate::mesh::subdivide::{Refinement, refine, refine_rest};
+use crate::mesh::masks::Masks;
+use crate::mesh::subdivide::{Subdivision, halve_creases, refine_rest};
 use crate::mesh::{NONE, Topology, Vec3};
 
 /// A subdivided base surface with its wrinkle field.
@@ -57,14 +60,21 @@ pub fn upsample(
         })
         .collect();
     for _ in 0..levels {
-        let smooth = refine(&fine, &[], &corners);
-        let wrinkled = refine(&fine, &border, &corners);
+        let step = Subdivision::new(&fine);
+        let creased = border.iter().any(|&b| b);
+        let ((next, rest_next), (smooth, wrinkled)) = rayon::join(
+            || (step.fine(), refine_rest(&rest.0, &rest.1)),
+            || (step.masks(&[], &corners), creased.then(|| step.masks(&border, &corners))),
+        );
+        let wrinkled = wrinkled.as_ref().unwrap_or(&smooth);
         base = smooth.apply(&base);
         amplitude_m = wrinkled.apply(&amplitude_m);
-        chart = chart.refined(&fine, &wrinkled);
-        rest = refine_rest(&rest.0, &rest.1);
-        border = wrinkled.fine_crease;
-        fine = smooth.fine;
+        chart = chart.refined(&fine, wrinkled, &next);
+        if creased {
+            border = halve_creases(&next, fine.vertex_count, &border);
+        }
+        rest = rest_next;
+        fine = next;
     }
     let share = 4_usize.pow(levels as u32);
     let wrinkle_free: Vec<bool> = (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
@@ -122,42 +132,40 @@ impl Chart {
         if topology.edges[e][0] == from { self.turns[e] } else { -self.turns[e] }
     }
 
-    fn refined(&self, coarse: &Topology, refinement: &Refinement) -> Self {
-        let edge_between =
-            |i: usize, j: usize| coarse.edges.binary_search(&[i.min(j), i.max(j)]).expect("a stencil reaches along edges only");
+    fn refined(&self, coarse: &Topology, masks: &Masks, fine: &Topology) -> Self {
         // A new vertex takes the chart of the vertex it comes from; on an edge that is the lower one.
-        let phase: Vec<f64> = (0..refinement.fine.vertex_count)
-            .map(|v| {
-                let home = if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] };
-                let (vertices, weights) = refinement.row(v);
-                let mut value = self.phase[home];
-                for (&u, &w) in vertices.iter().zip(weights) {
-                    if u != home {
-                        let turns = self.turns_towards(coarse, edge_between(home, u), home);
-                        value += w * (self.phase[u] - self.phase[home] + TAU * turns as f64);
-                    }
-                }
-                value
-            })
-            .collect();
+        let in_chart_of_home = |v: usize| {
+            let row = masks.row(v);
+            let home = row.vertices[0];
+            let mut value = self.phase[home];
+            for k in 1..row.vertices.len() {
+                let turns = self.turns_towards(coarse, row.edges[k], home);
+                value += row.weights[k] * (self.phase[row.vertices[k]] - self.phase[home] + TAU * turns as f64);
+            }
+            value
+        };
         let home = |v: usize| if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] };
-        let turns = refinement
-            .fine
-            .edges
-            .iter()
-            .map(|&[p, q]| {
-                // Both ends expressed in the chart of p's home.
-                let (from, to) = (home(p), home(q));
-                if from == to { 0 } else { self.turns_towards(coarse, edge_between(from, to), from) }
-            })
-            .collect();
-        Self { phase, turns }
+        // Both ends of a fine edge expressed in the chart of the first one's home.
+        let turns_along = |e: usize| {
+            let [from, to] = fine.edges[e].map(home);
+            if from == to {
+                return 0;
+            }
+            // The homes are corners of the coarse face that the edge lies in.
+            let sides = coarse.face_edges[fine.edge_faces[e][0] / 4];
+            let between = sides.into_iter().find(|&side| coarse.edges[side].contains(&from) && coarse.edges[side].contains(&to));
+            self.turns_towards(coarse, between.expect("two corners of a face share a side"), from)
+        };
+        Self {
+            phase: (0..fine.vertex_count).into_par_iter().map(in_chart_of_home).collect(),
+            turns: (0..fine.edge_count()).into_par_iter().map(turns_along).collect(),
+        }
     }
 
     fn corners(&self, topology: &Topology, wrinkle_free: &[bool]) -> Vec<[f64; 3]> {
         topology
             .faces
-            .iter()
+            .par_iter()
             .enumerate()
             .map(|(f, face)| {
                 if wrinkle_free[f] {
