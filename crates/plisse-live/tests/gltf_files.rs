@@ -195,6 +195,31 @@ fn broken_files_end_in_one_sentence() {
     sentence("accessor huge", &with(&|j| j["accessors"][0]["count"] = json!(u64::MAX / 2)));
     assert!(sentence("ring", &with(&|j| j["nodes"][2]["children"] = json!([1]))).contains("ring"));
     sentence("two parents", &with(&|j| j["nodes"][0]["children"] = json!([2])));
+    for odd in [json!(null), json!(3), json!("text"), json!([3]), json!({"a": 1})] {
+        let file = glb(&odd, &bin);
+        sentence("no file at all", &file);
+        for key in json.as_object().unwrap().keys() {
+            // Whatever stands there, it must not end in a panic.
+            let _ = from_bytes("model.glb", &with(&|j| j[key] = odd.clone()), None);
+        }
+        for path in [
+            "/meshes/0",
+            "/meshes/0/primitives",
+            "/meshes/0/primitives/0",
+            "/meshes/0/primitives/0/attributes",
+            "/nodes/0",
+            "/animations/0",
+            "/animations/0/channels",
+            "/animations/0/channels/0",
+            "/animations/0/channels/0/target",
+            "/accessors/0",
+        ] {
+            let _ = from_bytes("model.glb", &with(&|j| *j.pointer_mut(path).unwrap() = odd.clone()), None);
+        }
+    }
+    assert!(sentence("compressed", &with(&|j| j["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]))).contains("compressed"));
+    let moved = with(&|j| j["animations"][0]["channels"][0]["target"]["node"] = json!(42));
+    assert!(sentence("moves a node that is not there", &moved).contains("node 42"));
     sentence("wrong mesh index", &with(&|j| j["nodes"][0]["mesh"] = json!(7)));
     sentence("no positions", &with(&|j| j["meshes"][0]["primitives"][0]["attributes"] = json!({"TEXCOORD_0": 0})));
     sentence("no faces", &with(&|j| j["meshes"][0]["primitives"][0]["mode"] = json!(0)));
@@ -209,6 +234,61 @@ fn broken_files_end_in_one_sentence() {
     sentence("vertex out of range", &patched(48, &[200]));
     sentence("keys out of order", &patched(140, &2f32.to_le_bytes()));
     sentence("NaN key", &patched(140, &f32::NAN.to_le_bytes()));
+}
+
+/// What this reader has no use for does not make a file unusable, whether it is in order or not.
+#[test]
+fn what_is_not_read_may_be_anything() {
+    let (json, bin) = sound();
+    let plain = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
+    let with = |path: &str, value: Value| {
+        let mut json = json.clone();
+        let (parent, key) = path.rsplit_once('/').unwrap();
+        json.pointer_mut(parent).unwrap()[key] = value;
+        let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap_or_else(|e| panic!("{path}: {e}"));
+        assert_eq!((&model.draw, &model.faces, &model.base_colour), (&plain.draw, &plain.faces, &None), "{path}");
+        model.clips.iter().map(|clip| clip.channels.len()).sum::<usize>()
+    };
+    let attribute = |name: &str| format!("/meshes/0/primitives/0/attributes/{name}");
+    for (path, value) in [
+        (&attribute("_WIND")[..], json!(1)),
+        (&attribute("FOO"), json!(99)),
+        ("/meshes/0/primitives/0/material", json!(7)),
+        ("/nodes/2/camera", json!(3)),
+        ("/nodes/2/extensions", json!({"KHR_lights_punctual": {"light": 3}})),
+        ("/scene", json!(9)),
+        ("/cameras", json!([{"type": "perspective"}])),
+        ("/accessors/0/min", json!(null)),
+        ("/materials", json!([{"alphaMode": "GLASS", "pbrMetallicRoughness": {"baseColorTexture": {"index": 5}}}])),
+        ("/textures", json!([{"sampler": 9, "extensions": {"EXT_texture_webp": {"source": 0}}}])),
+        ("/samplers", json!([{"wrapS": 3}])),
+        ("/images", json!([{}])),
+        ("/extensionsRequired", json!(["KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_unlit", "EXT_texture_webp"])),
+    ] {
+        assert_eq!(with(path, value), 1, "{path}");
+    }
+    // Clips that move what is no node's property lose those channels only.
+    let target = "/animations/0/channels/0/target";
+    assert_eq!(with(target, json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/scale"}}})), 0);
+    assert_eq!(with(target, json!({"path": "colour", "node": 2})), 0);
+}
+
+#[test]
+fn the_base_colour_is_found_in_either_kind_of_material() {
+    let (mut json, bin) = with_views(&[b"\x89PNG and so on".to_vec()]);
+    json["textures"] = json!([{}, {"source": 1}]);
+    // A view without a MIME type is a mistake that many files make.
+    json["images"] = json!([{"uri": "nowhere.png"}, {"bufferView": 6}]);
+    let glossy = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 1}}}});
+    for material in [json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}), glossy] {
+        json["materials"] = json!([{"name": "plain"}, material]);
+        let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
+        assert_eq!(model.base_colour.as_deref(), Some(&b"\x89PNG and so on"[..]), "{material}");
+    }
+    for (view, source) in [(99, 1), (6, 0), (6, 7)] {
+        (json["images"][1]["bufferView"], json["textures"][1]["source"]) = (json!(view), json!(source));
+        assert_eq!(from_bytes("model.glb", &glb(&json, &bin), None).unwrap().base_colour, None, "{view} {source}");
+    }
 }
 
 #[test]

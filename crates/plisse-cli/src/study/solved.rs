@@ -96,17 +96,18 @@ impl Study<'_> {
 
     /// The base surface of a scene.
     pub(crate) fn base(&self, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
-        self.go_on()?;
-        let found = solve_base(&built.setup(), &built.start, &built.base, self.bars)?;
-        self.bars.finish();
-        self.go_on()?;
-        Ok(found)
+        self.one_step(|| solve_base(&built.setup(), &built.start, &built.base, self.bars))
     }
 
     /// The base surface of a scene whose mesh may be fine.
     pub(crate) fn base_of(&self, scene: &Scene, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
+        self.one_step(|| scene::solve_base(scene, built, self.bars))
+    }
+
+    /// `solve`, with its bar put away; neither it nor what it found counts if there was an interruption.
+    fn one_step<T>(&self, solve: impl FnOnce() -> plisse::Result<T>) -> Result<T, Stop> {
         self.go_on()?;
-        let found = scene::solve_base(scene, built, self.bars)?;
+        let found = solve()?;
         self.bars.finish();
         self.go_on()?;
         Ok(found)
@@ -114,11 +115,8 @@ impl Study<'_> {
 
     /// The field of a scene on a base surface.
     pub(crate) fn solve_on(&self, built: Built, pose: Vec<Vec3>, base: BaseReport) -> Result<Solution, Stop> {
-        self.go_on()?;
         let held = built.clamps.held();
-        let solved = solve(&built.topology, &built.rest, &pose, &held, &built.material, &built.field, self.bars)?;
-        self.bars.finish();
-        self.go_on()?;
+        let solved = self.one_step(|| solve(&built.topology, &built.rest, &pose, &held, &built.material, &built.field, self.bars))?;
         let measured = scene::measure(&built, &solved.field, &solved.report);
         Ok(Solution { built, pose, base, solved, measured })
     }

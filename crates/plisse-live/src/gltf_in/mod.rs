@@ -1,7 +1,7 @@
 //! Models from glTF 2.0 files (.glb, or .gltf with its buffers beside it or inside).
 //!
 //! Broken files end in one sentence. What is left out: points and lines, Draco and meshopt compression, influences beyond the eighth,
-//! texture coordinates beyond the first set.
+//! texture coordinates beyond the first set and their transforms, what clips do to anything but nodes.
 //!
 //! The red channel of vertex colours (the first set) is taken as share of the wavelength, see [`crate::wavelength`]; white is all of it.
 //!
@@ -10,8 +10,11 @@
 //! would seem to be crushed otherwise.
 
 mod accessors;
+mod trim;
 mod uri;
 
+use std::borrow::Cow;
+use std::fmt::Display;
 use std::path::Path;
 
 use gltf::animation::Property;
@@ -20,6 +23,7 @@ use nalgebra::UnitQuaternion;
 use plisse::{Error, Result};
 
 use self::accessors::Accessors;
+use self::trim::{Image, trim};
 use self::uri::{load, short};
 use crate::model::{Channel, Clip, INFLUENCES, Interpolation, Model, Morph, Node, Target, order_nodes};
 use crate::skin::{pose, skin};
@@ -49,12 +53,24 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
             return Err(bad(message));
         }
     }
-    let file = gltf::Gltf::from_slice(bytes).map_err(|e| bad(format!("this is no valid glTF 2.0 file ({e}); export it again")))?;
+    let invalid = |e: &dyn Display| bad(format!("this is no valid glTF 2.0 file ({e}); export it again"));
+    let (text, blob) = if bytes.starts_with(b"glTF") {
+        let glb = gltf::Glb::from_slice(bytes).map_err(|e| invalid(&e))?;
+        (glb.json, glb.bin)
+    } else {
+        (Cow::Borrowed(bytes), None)
+    };
+    let mut root = serde_json::from_slice(&text).map_err(|e| invalid(&e))?;
+    let image = trim(&mut root).map_err(bad)?;
+    let root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
+    let file = gltf::Document::from_json(root).map_err(|e| invalid(&e))?;
     let mut buffers = Vec::new();
     for buffer in file.buffers() {
         let n = buffer.index();
         let data = match buffer.source() {
-            gltf::buffer::Source::Bin => file.blob.clone().ok_or_else(|| bad(format!("buffer {n} is missing; export it again as GLB")))?,
+            gltf::buffer::Source::Bin => {
+                blob.as_ref().ok_or_else(|| bad(format!("buffer {n} is missing; export it again as GLB")))?.to_vec()
+            }
             gltf::buffer::Source::Uri(uri) => {
                 load(uri, folder).ok_or_else(|| bad(format!("buffer {n} ({}) cannot be read; put it beside the file", short(uri))))?
             }
@@ -84,12 +100,13 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     }
     reader.pad();
     reader.clips(&file)?;
-    let base = file.materials().find_map(|m| m.pbr_metallic_roughness().base_color_texture());
-    let image = base.and_then(|texture| match texture.texture().source().source() {
-        gltf::image::Source::View { view, .. } => reader.accessors.buffers[view.buffer().index()]
-            .get(view.offset()..view.offset().checked_add(view.length())?)
-            .map(<[u8]>::to_vec),
-        gltf::image::Source::Uri { uri, .. } => load(uri, folder),
+    let image = image.and_then(|image| match image {
+        Image::View(v) => {
+            let view = file.views().nth(v)?;
+            let end = view.offset().checked_add(view.length())?;
+            reader.accessors.buffers[view.buffer().index()].get(view.offset()..end).map(<[u8]>::to_vec)
+        }
+        Image::Uri(uri) => load(&uri, folder),
     });
     let mut model = reader.model;
     model.base_colour = image;
@@ -113,7 +130,7 @@ impl Reader<'_> {
         accessors::bad(self.accessors.place, message)
     }
 
-    fn nodes(&mut self, file: &gltf::Gltf) -> Result<()> {
+    fn nodes(&mut self, file: &gltf::Document) -> Result<()> {
         for node in file.nodes() {
             let (t, r, s) = node.transform().decomposed();
             if t.iter().chain(&r).chain(&s).any(|x| !x.is_finite()) {
@@ -318,7 +335,7 @@ impl Reader<'_> {
         }
     }
 
-    fn clips(&mut self, file: &gltf::Gltf) -> Result<()> {
+    fn clips(&mut self, file: &gltf::Document) -> Result<()> {
         for animation in file.animations() {
             let name = animation.name().map_or_else(|| animation.index().to_string(), str::to_owned);
             let mut clip = Clip { name: name.clone(), channels: Vec::new() };

@@ -2,8 +2,8 @@
 //!
 //! Close to the minimum that is the true Hessian H, which gives quadratic convergence. Farther away H has directions of negative curvature; the
 //! bound C that a problem can give, with element Hessians made convex, has none, but may be stiffer by far than the energy is. So H + s(C − H)
-//! is factorised with a share s that is as small as experience tells, from 0 to 1: C − H is positive semidefinite, and whatever can be factorised
-//! with a share can be with any larger one.
+//! is factorised with a share s that is as small as experience tells, from 0 to 1. But for loads like pressure, C − H is positive semidefinite: what
+//! can be factorised with a share can be with any larger one.
 
 use super::cholesky::Cholesky;
 use super::elimination::Groups;
