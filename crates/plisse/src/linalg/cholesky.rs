@@ -231,4 +231,34 @@ mod tests {
         values[pattern.slot(n / 2, n / 2)] = 1.0;
         assert!(!Cholesky::for_many(pattern, None).unwrap().factorise(&values));
     }
+
+    /// A ribbon that is eliminated from one end to the other: every front waits for the one before it.
+    #[test]
+    fn ribbons_may_be_as_long_as_they_like() {
+        let n = 60_000;
+        let elements: Vec<Vec<usize>> = (0..n - 6).map(|i| (i..i + 7).collect()).collect();
+        let pattern = SymmetricPattern::from_elements(n, elements.iter().map(Vec::as_slice));
+        let values = dominant(&pattern);
+        let unknowns = alone(&pattern);
+        let expected: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
+        let mut right = vec![0.0; n];
+        pattern.multiply(&values, &expected, &mut right);
+        let solved = |order: &[usize]| {
+            let elimination = Elimination::of(&unknowns, order);
+            let asked = elimination.operations;
+            let mut cholesky = Cholesky::by_fronts(pattern.clone(), elimination, asked);
+            assert!(cholesky.factorise(&values));
+            let mut x = right.clone();
+            cholesky.solve(&mut x);
+            x.iter().zip(&expected).fold(0.0_f64, |most, (x, e)| most.max((x - e).abs()))
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(1 << 19).build().unwrap();
+        let along: Vec<usize> = (0..n).collect();
+        // From both ends to the middle: two such ways at once.
+        let inwards: Vec<usize> = (0..n / 2).flat_map(|i| [i, n - 1 - i]).collect();
+        for order in [along, inwards, dissect(&pattern)] {
+            let worst = pool.install(|| solved(&order));
+            assert!(worst < 1e-10, "{worst:e}");
+        }
+    }
 }

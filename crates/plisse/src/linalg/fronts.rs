@@ -23,8 +23,10 @@ use super::sparse::SymmetricPattern;
 
 /// Width of the blocks of columns into which large fronts are divided, and rows that are solved for at once.
 const BLOCK: usize = 192;
-/// Floating-point operations from which on subtrees are worth a thread.
+/// Floating-point operations from which on subtrees are worth a thread, and their least share of all of them: no more than so many can
+/// wait for each other.
 const WORTH_A_THREAD: f64 = 4e6;
+const LEAST_SHARE: f64 = 1.0 / 256.0;
 /// Entries up to which what a front leaves is written where another left something before.
 const SMALL: usize = 1 << 18;
 
@@ -52,6 +54,8 @@ struct Supernode {
     /// Where its panel, `width + below` rows by `width` columns, is in the factor; and where that of the first in its subtree begins.
     panel: Range<usize>,
     subtree_start: usize,
+    /// The first in its subtree; the others follow, itself the last.
+    first: usize,
     children: Vec<usize>,
     /// Rows below that are rows of the parent's front, as they follow each other in both.
     in_parent: Vec<Piece>,
@@ -97,6 +101,7 @@ impl Fronts {
                 columns: node.columns.clone(),
                 rows: node.rows.clone(),
                 subtree_start: children.first().map_or(panel.start, |&child| supernodes[child].subtree_start),
+                first: children.first().map_or(s, |&child| supernodes[child].first),
                 panel,
                 work: own + children.iter().map(|&child| supernodes[child].work).sum::<f64>(),
                 children,
@@ -121,7 +126,8 @@ impl Fronts {
     /// Factorises the matrix with these `values`. Returns whether it is positive definite.
     pub(super) fn factorise(&mut self, values: &[f64]) -> bool {
         let mut factor = std::mem::take(&mut self.factor);
-        let run = Run { fronts: self, values, failed: AtomicBool::new(false) };
+        let work: f64 = self.roots.iter().map(|&root| self.supernodes[root].work).sum();
+        let run = Run { fronts: self, values, worth: WORTH_A_THREAD.max(work * LEAST_SHARE), failed: AtomicBool::new(false) };
         run.subtrees(&self.roots, &mut factor, 0);
         let failed = run.failed.into_inner();
         self.factor = factor;
@@ -247,6 +253,8 @@ fn place_entries(pattern: &SymmetricPattern, order: &[usize], supernodes: &mut [
 struct Run<'a> {
     fronts: &'a Fronts,
     values: &'a [f64],
+    /// Floating-point operations from which on subtrees are worth a thread.
+    worth: f64,
     failed: AtomicBool,
 }
 
@@ -256,7 +264,7 @@ impl Run<'_> {
     fn subtrees(&self, siblings: &[usize], factor: &mut [f64], offset: usize) -> Vec<Vec<f64>> {
         let supernodes = &self.fronts.supernodes;
         let work: f64 = siblings.iter().map(|&s| supernodes[s].work).sum();
-        if siblings.len() < 2 || work < WORTH_A_THREAD {
+        if siblings.len() < 2 || work < self.worth {
             let part = |&s: &usize| self.subtree(s, &mut factor[supernodes[s].subtree_start - offset..supernodes[s].panel.end - offset]);
             return siblings.iter().map(part).collect();
         }
@@ -268,15 +276,60 @@ impl Run<'_> {
         left
     }
 
+    /// The same for one subtree.
     fn subtree(&self, s: usize, factor: &mut [f64]) -> Vec<f64> {
-        let node = &self.fronts.supernodes[s];
-        let (inside, panel) = factor.split_at_mut(node.panel.start - node.subtree_start);
+        let supernodes = &self.fronts.supernodes;
+        let offset = supernodes[s].subtree_start;
+        if supernodes[s].work < self.worth {
+            return self.one_by_one(s, factor, offset);
+        }
+        // Down along the child with most work while nothing beside it is worth a thread. For a ribbon that way is as long as the ribbon.
+        let (mut way, mut bottom) = (Vec::new(), s);
+        while let Some(child) = self.only_worth(bottom) {
+            way.push(bottom);
+            bottom = child;
+        }
+        let node = &supernodes[bottom];
+        let inside = &mut factor[node.subtree_start - offset..node.panel.start - offset];
         let left = self.subtrees(&node.children, inside, node.subtree_start);
+        let mut last = self.front(bottom, left, factor, offset);
+        for &s in way.iter().rev() {
+            let mut of = |&child: &usize| if child == bottom { std::mem::take(&mut last) } else { self.one_by_one(child, factor, offset) };
+            let left = supernodes[s].children.iter().map(&mut of).collect();
+            last = self.front(s, left, factor, offset);
+            bottom = s;
+        }
+        last
+    }
+
+    /// The child of `s` that is worth a thread, if its siblings together are not.
+    fn only_worth(&self, s: usize) -> Option<usize> {
+        let work = |child: usize| self.fronts.supernodes[child].work;
+        let children = &self.fronts.supernodes[s].children;
+        let most = children.iter().copied().max_by(|&a, &b| work(a).total_cmp(&work(b)))?;
+        let others: f64 = children.iter().filter(|&&child| child != most).map(|&child| work(child)).sum();
+        (work(most) >= self.worth && others < self.worth).then_some(most)
+    }
+
+    /// Factorises the subtree of `s` on this thread; `factor` begins at `offset`. Returns what it leaves to its parent.
+    fn one_by_one(&self, s: usize, factor: &mut [f64], offset: usize) -> Vec<f64> {
+        let mut left = Vec::new();
+        for node in self.fronts.supernodes[s].first..=s {
+            let children = left.split_off(left.len() - self.fronts.supernodes[node].children.len());
+            left.push(self.front(node, children, factor, offset));
+        }
+        left.pop().unwrap_or_default()
+    }
+
+    /// Factorises one front, to which its children leave `left`; `factor` begins at `offset`. Returns what it leaves to its parent.
+    fn front(&self, s: usize, left: Vec<Vec<f64>>, factor: &mut [f64], offset: usize) -> Vec<f64> {
         if self.failed.load(Ordering::Relaxed) {
             return Vec::new();
         }
+        let node = &self.fronts.supernodes[s];
         let (width, below) = node.size();
         let height = width + below;
+        let panel = &mut factor[node.panel.start - offset..node.panel.end - offset];
         panel.fill(0.0);
         for &(slot, place) in &self.fronts.entries[node.entries.clone()] {
             panel[place as usize] += self.values[slot as usize];
