@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use plisse::Result;
 use plisse::io::aside::OutputFolder;
-use plisse_gpu::{Character, Gpu, Live, Painter, STAGES};
+use plisse_gpu::{Character, Gpu, Live, Painter, STAGES, memory_speed};
 use plisse_live::camera::Camera;
 use plisse_live::crush::{CrushInput, crush};
 use plisse_live::draw::Look;
@@ -68,6 +68,7 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
     let mut folder = OutputFolder::create(&path)?;
     let bars = Bars::new(interrupted);
     let bar = bars.counter("bench", CASES.len());
+    let speed = gpu.as_ref().map(memory_speed).transpose()?.flatten();
     let mut rows = Vec::new();
     for case in &CASES {
         if interrupted.load(Ordering::SeqCst) {
@@ -77,7 +78,10 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let table = table(&rows, &adapter);
+    let mut table = table(&rows, &adapter);
+    if let (Some(speed), Some(row)) = (speed, rows.get(CASES.len() - 1)) {
+        table += &against_memory(row, speed);
+    }
     let list: Vec<serde_json::Value> = rows
         .iter()
         .zip(&CASES)
@@ -87,7 +91,7 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
         })
         .collect();
     folder.write("bench.md", |out| out.write_all(table.as_bytes()))?;
-    let whole = json!({"adapter": adapter, "threads": rayon::current_num_threads(), "cases": list});
+    let whole = json!({"adapter": adapter, "memory_bytes_per_second": speed, "threads": rayon::current_num_threads(), "cases": list});
     write_json(&mut folder, "bench.json", &whole)?;
     folder.commit()?;
     say(&table);
@@ -117,6 +121,20 @@ fn table(rows: &[Row], adapter: &str) -> String {
         line("twins", &row.twin_ms);
     }
     table
+}
+
+/// What the largest case took, beside what its bytes cost at the adapter's memory speed (bytes per second).
+fn against_memory(row: &Row, speed: f64) -> String {
+    let Some(took_ms) = row.gpu_ms[..3].iter().copied().sum::<Option<f64>>() else { return String::new() };
+    let cost_ms = 1e3 * row.bytes as f64 / speed;
+    format!(
+        "\nThe adapter's memory moves {:.1} GB/s (a copy). Skin, Crush and one Relax of {} vertices move at least {:.0} MB, which costs {cost_ms:.3} ms at \
+         that speed; they take {took_ms:.3} ms, {:.1} times that.\n",
+        speed * 1e-9,
+        row.vertices,
+        row.bytes as f64 * 1e-6,
+        took_ms / cost_ms
+    )
 }
 
 fn median(list: &mut [f64]) -> Option<f64> {
