@@ -45,7 +45,8 @@ pub trait Problem: Send {
         let _ = (x, out);
         false
     }
-    /// The longest part (0 to 1) of the step `direction` from `x` that may be tried, where the energy has walls (contact).
+    /// The longest part (0 to 1) of the step `direction` from `x`, where the problem was last evaluated, that may be tried, where the energy has
+    /// walls (contact).
     fn longest_step(&mut self, x: &[f64], direction: &[f64]) -> f64 {
         let _ = (x, direction);
         1.0
@@ -290,8 +291,8 @@ fn go_on(
     trial: &mut Vec<f64>,
     farther: &mut Vec<f64>,
 ) -> f64 {
-    let whole: Vec<f64> = direction.iter().map(|d| d * LONGEST_STEP).collect();
-    let longest = LONGEST_STEP * problem.longest_step(x, &whole);
+    let way: Vec<f64> = direction.iter().map(|d| d * LONGEST_STEP).collect();
+    let longest = 1.0 + LONGEST_STEP * problem.longest_step(trial, &way);
     let mut length = 2.0;
     while length <= longest {
         for i in 0..x.len() {
