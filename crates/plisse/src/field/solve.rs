@@ -145,6 +145,7 @@ pub fn solve(
         least_fall: LEAST_FALL,
         convexity: options.convexity,
         ridge: 1e-13,
+        nearest: false,
         leave_saddles: false,
         energy_unit_joule,
     };

@@ -511,6 +511,7 @@ mod tests {
             least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 0.0,
+            nearest: true,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };

@@ -233,6 +233,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
+            nearest: true,
             leave_saddles: false,
             energy_unit_joule: film.unit_joule(),
         };

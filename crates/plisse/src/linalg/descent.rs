@@ -15,8 +15,9 @@ use crate::Result;
 /// By what the share changes from one attempt to the next, and the least one that is not 0.
 const SHARE_FACTOR: f64 = 4.0;
 const LEAST_SHARE: f64 = 1.0 / 256.0;
-/// Steps that go by, at most, before a share that was too small is tried again.
+/// Steps that go by, at most, before a share that was too small is tried again; and where it is 0 or 1.
 const LONGEST_WAIT: u32 = 4;
+const LONGEST_WAIT_OF_ALL: u32 = 5;
 
 /// Relative residual at which [`Descent::conjugate_gradients`] is content: far from the minimum, where a Newton step is rough anyway, and close
 /// to it; and the steps it takes at most.
@@ -50,20 +51,21 @@ pub(super) struct Wanted<'a> {
 }
 
 impl Descent {
-    pub(super) fn new(pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
-        Ok(Self::with(Cholesky::for_many(pattern, groups)?))
+    /// With `all_or_none` the share is 0 or 1.
+    pub(super) fn new(pattern: SymmetricPattern, groups: Option<Groups>, all_or_none: bool) -> Result<Self> {
+        Ok(Self::with(Cholesky::for_many(pattern, groups)?, Share::new(all_or_none)))
     }
 
     /// The same for another pattern.
     pub(super) fn again(self, pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
-        Ok(Self { share: self.share, ..Self::with(self.cholesky.again(pattern, groups)?) })
+        Ok(Self::with(self.cholesky.again(pattern, groups)?, self.share))
     }
 
-    fn with(cholesky: Cholesky) -> Self {
+    fn with(cholesky: Cholesky, share: Share) -> Self {
         let pattern = cholesky.pattern();
         let diagonal = (0..pattern.size()).map(|i| pattern.slot(i, i)).collect();
         let values = vec![0.0; pattern.entry_count()];
-        Self { cholesky, diagonal, exact: Vec::new(), convex: Vec::new(), values, share: Share::default() }
+        Self { cholesky, diagonal, exact: Vec::new(), convex: Vec::new(), values, share }
     }
 
     /// Whether the last direction was that of the true Hessian.
@@ -74,7 +76,7 @@ impl Descent {
     /// A direction along which the energy of `problem` falls from where it was last linearised, in `direction` (`[n]`); tells whether there is one.
     pub(super) fn find(&mut self, problem: &mut dyn Problem, wanted: &Wanted<'_>, direction: &mut [f64]) -> bool {
         if wanted.convexity == Convexity::Exact || !wanted.settled {
-            self.share = Share::default();
+            self.share.pass();
         } else if self.find_by_share(problem, wanted, direction) {
             return true;
         }
@@ -196,29 +198,42 @@ struct Share {
     wait: u32,
     /// Times in a row that a smaller one was too small.
     failures: u32,
-}
-
-impl Default for Share {
-    fn default() -> Self {
-        Self { now: 1.0, wait: 0, failures: 0 }
-    }
+    /// Whether it is 0 or 1 only.
+    all_or_none: bool,
 }
 
 impl Share {
+    fn new(all_or_none: bool) -> Self {
+        Self { now: 1.0, wait: 0, failures: 0, all_or_none }
+    }
+
+    /// This step goes without.
+    fn pass(&mut self) {
+        if self.all_or_none {
+            self.wait = self.wait.saturating_sub(1);
+        } else {
+            *self = Self::new(false);
+        }
+    }
+
     /// What to try first in this step.
     fn first(&mut self) -> f64 {
         if self.wait > 0 {
             self.wait -= 1;
             return self.now;
         }
-        if self.now <= LEAST_SHARE { 0.0 } else { self.now / SHARE_FACTOR }
+        if self.all_or_none || self.now <= LEAST_SHARE { 0.0 } else { self.now / SHARE_FACTOR }
     }
 
     /// `tried` was too small: what to try next.
     fn failed(&mut self, tried: f64) -> f64 {
-        self.failures = (self.failures + 1).min(LONGEST_WAIT);
+        self.failures = (self.failures + 1).min(if self.all_or_none { LONGEST_WAIT_OF_ALL } else { LONGEST_WAIT });
         self.wait = self.failures;
-        if tried == 0.0 { LEAST_SHARE } else { tried * SHARE_FACTOR }
+        match tried {
+            _ if self.all_or_none => 1.0,
+            0.0 => LEAST_SHARE,
+            _ => tried * SHARE_FACTOR,
+        }
     }
 
     /// `tried` was enough.
@@ -236,7 +251,7 @@ mod tests {
 
     #[test]
     fn the_share_falls_while_it_can_and_waits_where_it_cannot() {
-        let mut share = Share::default();
+        let mut share = Share::new(false);
         let step = |share: &mut Share, needed: f64| {
             let mut tried = vec![share.first()];
             while tried[tried.len() - 1] < needed {
@@ -250,6 +265,8 @@ mod tests {
         assert_eq!(step(&mut share, 0.01), [0.0, 0.00390625, 0.015625]);
         // Twice failed, so two steps go by.
         assert_eq!([(); 3].map(|()| step(&mut share, 0.01)[0]), [0.015625, 0.015625, 0.00390625]);
+        let mut all = Share::new(true);
+        assert_eq!([step(&mut all, 0.01), step(&mut all, 0.01), step(&mut all, 0.0)], [vec![0.0, 1.0], vec![1.0], vec![0.0]]);
     }
 
     /// One unknown, with H = −1 and C = 50.
@@ -275,7 +292,7 @@ mod tests {
 
     #[test]
     fn as_little_of_the_bound_is_added_as_makes_it_convex() {
-        let mut descent = Descent::new(Saddle.pattern(), None).unwrap();
+        let mut descent = Descent::new(Saddle.pattern(), None, false).unwrap();
         let bend = |descent: &mut Descent, settled: bool| {
             let wanted = Wanted { convexity: Convexity::Clamped, settled, damping: 0.0, held: &[false], gradient: &[1.0] };
             let mut direction = [0.0];

@@ -79,6 +79,9 @@ pub struct Options {
     pub convexity: Convexity,
     /// Share of the largest diagonal entry that is added to each, so that directions without stiffness do not move.
     pub ridge: f64,
+    /// Whether a minimum near to the start is wanted, as where a surface is followed while it grows, and not any that is low: then no step goes
+    /// on, and steps are those of the true Hessian or of the convex one.
+    pub nearest: bool,
     /// Whether to ask, where the gradient vanishes, that the energy be least there too, and to go on along a direction of negative
     /// curvature if it is not. For problems without lower bounds.
     pub leave_saddles: bool,
@@ -132,7 +135,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
     let mut gradient = vec![0.0; n];
     let pattern = problem.pattern();
-    let (descent, mut energy) = rayon::join(|| Descent::new(pattern, groups), || problem.linearise(&x, &mut gradient));
+    let (descent, mut energy) = rayon::join(|| Descent::new(pattern, groups, options.nearest), || problem.linearise(&x, &mut gradient));
     let mut descent = descent?;
     let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut held = vec![false; n];
@@ -202,7 +205,7 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                     } else if length == 1.0 {
                         damping = (damping * 0.1).max(options.ridge);
                     }
-                    if length == 1.0 && settled && trial_energy < energy + LESS_BENT * slope {
+                    if length == 1.0 && settled && !options.nearest && trial_energy < energy + LESS_BENT * slope {
                         trial_energy = go_on(problem, &x, &direction, &lower, trial_energy, &mut trial, &mut trial_gradient);
                     }
                     settled = energy - trial_energy < 1e-2 * energy.abs();
@@ -366,6 +369,7 @@ mod tests {
             least_fall: 0.0,
             convexity: Convexity::Mirrored,
             ridge: 1e-14,
+            nearest: false,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
@@ -444,6 +448,7 @@ mod tests {
             least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 0.0,
+            nearest: false,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
@@ -489,6 +494,7 @@ mod tests {
             least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
+            nearest: false,
             leave_saddles,
             energy_unit_joule: 1.0,
         };
@@ -537,6 +543,7 @@ mod tests {
             least_fall: 0.0,
             convexity: Convexity::Clamped,
             ridge: 1e-14,
+            nearest: false,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
@@ -580,6 +587,7 @@ mod tests {
             least_fall,
             convexity: Convexity::Clamped,
             ridge: 1e-20,
+            nearest: false,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };

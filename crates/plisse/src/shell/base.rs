@@ -141,6 +141,7 @@ pub(super) fn settle(
         least_fall: 0.0,
         convexity: Convexity::Clamped,
         ridge: 1e-14,
+        nearest: false,
         leave_saddles: effort.leave_saddles,
         energy_unit_joule: unit_joule,
     };
