@@ -579,7 +579,7 @@ mod tests {
         }
     }
 
-    fn stiff(exact: f64, least_fall: f64, begin: [f64; 2]) -> Outcome {
+    fn stiff(exact: f64, least_fall: f64, begin: [f64; 2], nearest: bool) -> Outcome {
         let options = Options {
             stage: "test",
             iteration_limit: 1000,
@@ -587,7 +587,7 @@ mod tests {
             least_fall,
             convexity: Convexity::Clamped,
             ridge: 1e-20,
-            nearest: false,
+            nearest,
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
@@ -596,15 +596,18 @@ mod tests {
 
     #[test]
     fn steps_go_on_where_the_model_is_too_stiff() {
-        let found = stiff(-1e3, 0.0, [99.9, 0.0]);
+        let found = stiff(-1e3, 0.0, [99.9, 0.0], false);
         assert!((found.x[0] - 100.0).abs() < 1e-5, "{:?}", found.x);
         // A fiftieth of the way with each step takes hundreds of them.
         assert!(found.iterations < 60, "{}", found.iterations);
+        // But not where the nearest minimum is wanted.
+        let followed = stiff(-1e3, 0.0, [99.9, 0.0], true);
+        assert!(followed.iterations > 3 * found.iterations, "{} {}", followed.iterations, found.iterations);
     }
 
     #[test]
     fn it_ends_where_nothing_is_to_be_gained() {
-        let [all, enough] = [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0]));
+        let [all, enough] = [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0], false));
         assert_eq!([all.ending, enough.ending], [Ending::Converged; 2]);
         assert!(enough.iterations + 3 < all.iterations && enough.energy - all.energy < 1e-12, "{} {}", enough.iterations, all.iterations);
     }
