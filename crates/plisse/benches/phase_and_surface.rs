@@ -10,7 +10,7 @@ use plisse::field::closed_forms::ClosedForms;
 use plisse::field::closest_closed_form::ClosestClosedForm;
 use plisse::field::{FieldOptions, solve};
 use plisse::mesh::Vec2;
-use plisse::mesh::subdivide::refine;
+use plisse::mesh::subdivide::Subdivision;
 use plisse::progress::Silent;
 use plisse::surface::{Displacement, displace, upsample};
 
@@ -43,8 +43,8 @@ fn closed_forms(bencher: divan::Bencher, vertices: usize) {
 fn subdivide(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     bencher.bench_local(|| {
-        let refinement = refine(&sheet.topology, &[], &[]);
-        refinement.masks.apply(&sheet.pose)
+        let step = Subdivision::new(&sheet.topology);
+        (step.fine(), step.masks(&[], &[]).apply(&sheet.pose))
     });
 }
 

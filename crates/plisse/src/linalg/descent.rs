@@ -81,14 +81,16 @@ impl Descent {
             return true;
         }
         let mut damping = wanted.damping;
-        while damping <= 1e8 {
+        loop {
             problem.hessian(wanted.convexity, &mut self.values);
             if self.solve(problem, wanted, damping, direction) {
                 return true;
             }
             damping *= 100.0;
+            if damping.is_nan() || damping > 1e8 {
+                return false;
+            }
         }
-        false
     }
 
     /// The same with a share of C that is less than 1.

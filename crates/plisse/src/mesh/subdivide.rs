@@ -39,30 +39,8 @@ impl<'a> Subdivision<'a> {
     }
 }
 
-/// One step of Loop subdivision with everything at once.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Refinement {
-    /// Connectivity of the fine mesh, numbered as [`Subdivision`] says.
-    pub fine: Topology,
-    /// `[fine E]` the creases halved, to go on refining with; empty if none were given.
-    pub fine_crease: Vec<bool>,
-    /// Weights of the fine vertices.
-    pub masks: Masks,
-}
-
-/// One step of Loop subdivision of `coarse`, with `crease` and `corner` as [`Subdivision::masks`] says.
-///
-/// # Panics
-/// If `crease` is neither empty nor of length E.
-pub fn refine(coarse: &Topology, crease: &[bool], corner: &[bool]) -> Refinement {
-    let step = Subdivision::new(coarse);
-    let (fine, masks) = rayon::join(|| step.fine(), || step.masks(crease, corner));
-    let fine_crease = if crease.is_empty() { Vec::new() } else { halve_creases(&fine, coarse.vertex_count, crease) };
-    Refinement { fine, fine_crease, masks }
-}
-
 /// Rest vertices and faces refined linearly: coarse rest vertices, then the middle of each rest edge (sorted, lower vertex
-/// first); faces four for each in the order of [`Refinement`], so that they match its fine faces one to one, corner by corner.
+/// first); faces four for each in the order of [`Subdivision`], so that they match its fine faces one to one, corner by corner.
 /// `positions` are `[R]` points in panels or in space (m), `faces` `[F][3]` rest vertices.
 ///
 /// # Panics
@@ -227,6 +205,22 @@ impl EdgesAround {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// One step with everything at once; `fine_crease` are the creases halved, to go on refining with.
+    #[derive(Debug, PartialEq)]
+    struct Refinement {
+        fine: Topology,
+        fine_crease: Vec<bool>,
+        masks: Masks,
+    }
+
+    fn refine(coarse: &Topology, crease: &[bool], corner: &[bool]) -> Refinement {
+        let step = Subdivision::new(coarse);
+        let fine = step.fine();
+        let fine_crease = if crease.is_empty() { Vec::new() } else { halve_creases(&fine, coarse.vertex_count, crease) };
+        Refinement { fine, fine_crease, masks: step.masks(crease, corner) }
+    }
+
     use crate::mesh::{
         Vec2, Vec3,
         panel::{Outline, Panel},
