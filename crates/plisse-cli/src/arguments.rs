@@ -21,46 +21,71 @@ pub(crate) struct Arguments {
 
 #[derive(Subcommand)]
 pub(crate) enum Command {
-    /// Bake wrinkles to height and normal maps (16-bit PNG) in the texture space of a model, a solved folder or a scene
-    #[command(after_help = "Examples:\n  plisse bake character.glb --wavelength 0.03 --clip walk --frames 48 --map both -o out/walk\n  \
-        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  plisse bake out/cylinder --map height\n\n\
-        Writes normal.png and height.png (normal-0000.png and so on with --frames) and report.json into DIR. Height: 0.5 is zero, white is\n\
-        the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and OpenGL have it. Texture coordinates must lie\n\
+    /// Bake wrinkles to height and normal maps (16-bit PNG) in the texture space of a model, a
+    /// solved folder or a scene
+    #[command(after_help = "Examples:\n  plisse bake character.glb --wavelength 0.03 --clip walk \
+            --frames 48 --map both -o out/walk\n  \
+        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  plisse bake out/cylinder --map \
+        height\n\n\
+        Writes normal.png and height.png (normal-0000.png and so on with --frames) and report.json \
+        into DIR. Height: 0.5 is zero, white is\n\
+        the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and \
+        OpenGL have it. Texture coordinates must lie\n\
         within the unit square. Ctrl-C stops and keeps the frames that are done.")]
     Bake(BakeArguments),
     /// Grow a scene file's surface as it says, and fold it up
     #[command(after_help = "Example:\n  plisse grow examples/20-small-folds.toml -o out/folds\n\n\
-        Writes folded.obj, folded.glb, report.json and picture.png into DIR, and with --frames frame-0000.obj (the start), frame-0001.obj and\n\
-        so on, one for each step. The table [growth] of a scene is described in docs/scene-format.md; lengths are in metres (m), growth is a\n\
+        Writes folded.obj, folded.glb, report.json and picture.png into DIR, and with --frames \
+        frame-0000.obj (the start), frame-0001.obj and\n\
+        so on, one for each step. The table [growth] of a scene is described in \
+        docs/scene-format.md; lengths are in metres (m), growth is a\n\
         factor of length (no unit). Ctrl-C stops and writes what has grown so far.")]
     Grow(GrowArguments),
-    /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled geometry
-    #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk --frames 60 -o out/walk\n  \
+    /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled
+    /// geometry
+    #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk \
+            --frames 60 -o out/walk\n  \
         plisse live shirt --wavelength 0.05 --export out/shirt.glb\n  plisse live --bench\n\n\
-        Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. Runs on the GPU, or on a driver that\n\
-        stands in for one; with --cpu on the processor alone. Lengths are in metres (m), angles in degrees, times in seconds (s).\n\
+        Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. \
+        Runs on the GPU, or on a driver that\n\
+        stands in for one; with --cpu on the processor alone. Lengths are in metres (m), angles in \
+        degrees, times in seconds (s).\n\
         Ctrl-C stops and keeps the frames that are done.")]
     Live(LiveArguments),
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
-    #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
-        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.\n\
-        The scene format is described in docs/scene-format.md; lengths are in metres (m), Young's modulus in pascals (Pa), angles in\n\
+    #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o \
+            out/cylinder\n\n\
+        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into \
+        DIR.\n\
+        The scene format is described in docs/scene-format.md; lengths are in metres (m), Young's \
+        modulus in pascals (Pa), angles in\n\
         degrees. Ctrl-C stops and writes the best state so far.")]
     Solve(SolveArguments),
-    /// Solve a scene file by a full shell on a fine mesh, to compare with: slow, and right only where the mesh resolves the wrinkles
-    #[command(after_help = "Example:\n  plisse shell examples/01-twisted-cylinder.toml --finer 3 -o out/cylinder-shell\n\n\
+    /// Solve a scene file by a full shell on a fine mesh, to compare with: slow, and right only
+    /// where the mesh resolves the wrinkles
+    #[command(
+        after_help = "Example:\n  plisse shell examples/01-twisted-cylinder.toml --finer 3 -o \
+            out/cylinder-shell\n\n\
         Writes base.obj (the start), shell.obj, shell.glb, report.json and picture.png into DIR.\n\
-        St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Ctrl-C stops and writes the best state so far.")]
+        St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Ctrl-C stops and writes \
+        the best state so far."
+    )]
     Shell(ShellArguments),
     /// Print the tables of Chen et al. 2021 beside what this program finds
     #[command(after_help = "Example:\n  plisse study ablation -o out/study\n\n\
-        Writes NAME.md, NAME.json and pictures into DIR; 'all' writes validation.md, too. The scenes are built in, so this runs\n\
+        Writes NAME.md, NAME.json and pictures into DIR; 'all' writes validation.md, too. The \
+        scenes are built in, so this runs\n\
         anywhere. Ctrl-C stops and writes the rows that are done.")]
     Study(StudyArguments),
     /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
-    #[command(after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 --thickness 1e-4\n\n\
-        Rest and pose have the same faces in the same order; the rest shape may have more vertices (panels, seams).\n\
-        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into DIR.")]
+    #[command(
+        after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 \
+            --poisson 0.44 --thickness 1e-4\n\n\
+        Rest and pose have the same faces in the same order; the rest shape may have more vertices \
+        (panels, seams).\n\
+        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into \
+        DIR."
+    )]
     Wrinkle(WrinkleArguments),
 }
 
@@ -70,7 +95,8 @@ pub(crate) struct OutputArguments {
     /// Folder for the results [default: out/NAME, after the input file]
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
-    /// Subdivision steps of the wrinkled surface (each makes four faces of one), 0 to 8 [default: enough for 8 edges a wave]
+    /// Subdivision steps of the wrinkled surface (each makes four faces of one), 0 to 8 [default:
+    /// enough for 8 edges a wave]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=8))]
     pub(crate) levels: Option<u32>,
     /// Threads to use [default: one for each core]; the results do not depend on it
@@ -79,15 +105,16 @@ pub(crate) struct OutputArguments {
     /// Do not draw picture.png
     #[arg(long)]
     pub(crate) no_picture: bool,
-    /// Energy terms or corrections to leave out, for comparisons: stretching, curvature, mixed, amplitude-gradient, bending,
-    /// v1, v2, relaxed-integrability
+    /// Energy terms or corrections to leave out, for comparisons: stretching, curvature, mixed,
+    /// amplitude-gradient, bending, v1, v2, relaxed-integrability
     #[arg(long, value_name = "TERM", value_delimiter = ',')]
     pub(crate) without: Vec<String>,
 }
 
 #[derive(Args)]
 pub(crate) struct BakeArguments {
-    /// A model (.glb, .gltf, or square, curtain, zeppelin, shirt, sleeve), a folder that solve wrote, or a scene (.toml)
+    /// A model (.glb, .gltf, or square, curtain, zeppelin, shirt, sleeve), a folder that solve
+    /// wrote, or a scene (.toml)
     #[arg(value_name = "INPUT")]
     pub(crate) input: String,
     /// What is baked
@@ -124,7 +151,8 @@ pub(crate) struct WaveArguments {
     /// Shares (0 to 1) of the wavelength as a PNG, read through the texture coordinates
     #[arg(long, value_name = "FILE.png")]
     pub(crate) wavelength_map: Option<PathBuf>,
-    /// Shape of the wrinkles: sine, accordion, pencil, or a text file with heights (-1 to 1) from crest to trough [default: sine]
+    /// Shape of the wrinkles: sine, accordion, pencil, or a text file with heights (-1 to 1) from
+    /// crest to trough [default: sine]
     #[arg(long, value_name = "P", allow_hyphen_values = true)]
     pub(crate) profile: Option<String>,
     /// Animation to play [default: the first one]
@@ -139,7 +167,8 @@ pub(crate) struct WaveArguments {
     /// Wrinkles move with every n-th frame only [default: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) every: Option<u32>,
-    /// Painted wrinkles of the rest pose: a JSON file {"bias": [[x, y, z], ...]}, one vector (shorter than 1) for each unified vertex
+    /// Painted wrinkles of the rest pose: a JSON file {"bias": [[x, y, z], ...]}, one vector
+    /// (shorter than 1) for each unified vertex
     #[arg(long, value_name = "FILE.json", conflicts_with = "random_wrinkles")]
     pub(crate) bias: Option<PathBuf>,
     /// Random wrinkles of the rest pose, 0 to 0.95
@@ -203,13 +232,15 @@ pub(crate) struct LiveArguments {
     /// Do everything on the processor, by the twins of the GPU's stages
     #[arg(long)]
     pub(crate) cpu: bool,
-    /// Also write wrinkled geometry: of the single frame, or with more frames a morph-target animation
+    /// Also write wrinkled geometry: of the single frame, or with more frames a morph-target
+    /// animation
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) export: Option<PathBuf>,
     /// Parts into which --export divides every edge [default: enough for 6 a wave], 1 to 64
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) parts: Option<u32>,
-    /// Measure milliseconds per stage on the paper's two cases and on 10k, 100k and 1M vertices instead
+    /// Measure milliseconds per stage on the paper's two cases and on 10k, 100k and 1M vertices
+    /// instead
     #[arg(long, conflicts_with_all = ["model", "export", "frames"])]
     pub(crate) bench: bool,
     /// Folder for the results [default: out/NAME/live, after the model]
@@ -254,7 +285,8 @@ pub(crate) struct GrowArguments {
     /// How folds are found [default: what the scene says, or variational]
     #[arg(long, value_enum, value_name = "MODE")]
     pub(crate) mode: Option<GrowthMode>,
-    /// Also write the surface after each step, as a mesh and as a picture (no pictures with --no-picture)
+    /// Also write the surface after each step, as a mesh and as a picture (no pictures with
+    /// --no-picture)
     #[arg(long)]
     pub(crate) frames: bool,
     /// Threads to use [default: one for each core]; the results do not depend on it
@@ -349,16 +381,19 @@ pub(crate) struct StudyArguments {
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/study")]
     pub(crate) output: PathBuf,
-    /// Small meshes and few of them, to see within a minute that everything runs; the figures mean little
+    /// Small meshes and few of them, to see within a minute that everything runs; the figures mean
+    /// little
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Most vertices of a reference shell; finer ones are left out (13,000 take minutes each, 100,000 hours)
+    /// Most vertices of a reference shell; finer ones are left out (13,000 take minutes each,
+    /// 100,000 hours)
     #[arg(long, value_name = "N", default_value_t = 13_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(crate) shell_limit_vertices: u32,
     /// Scenes of 'timing', by the numbers that their files begin with, such as 3,9 [default: all]
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=11))]
     pub(crate) scenes: Vec<u8>,
-    /// Folder with published meshes and solutions (tfw-disk, cylinder-688) for a further table of 'timing'
+    /// Folder with published meshes and solutions (tfw-disk, cylinder-688) for a further table of
+    /// 'timing'
     #[arg(long, value_name = "FOLDER")]
     pub(crate) data: Option<PathBuf>,
     /// Threads to use [default: one for each core]; only the seconds depend on it
@@ -369,7 +404,8 @@ pub(crate) struct StudyArguments {
 /// Names of the studies.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StudyName {
-    /// Vertices, iterations and seconds for base, field and reference shell, per scene (tables 1 and 2)
+    /// Vertices, iterations and seconds for base, field and reference shell, per scene (tables 1
+    /// and 2)
     Timing,
     /// What depends on the number of vertices (figures 7, 20 and 21)
     Resolution,

@@ -1,5 +1,5 @@
-//! `plisse bake`: wrinkles to height and normal maps in texture space. Where wrinkles come from: a solved folder or a scene
-//! ([`solved`]), or an animated model ([`live`]).
+//! `plisse bake`: wrinkles to height and normal maps in texture space. Where wrinkles come from: a
+//! solved folder or a scene ([`solved`]), or an animated model ([`live`]).
 
 mod live;
 mod solved;
@@ -63,7 +63,8 @@ struct Seconds {
 pub(crate) fn run(arguments: &BakeArguments, interrupted: &AtomicBool) -> Result<Done> {
     let begun = Instant::now();
     let input = Path::new(&arguments.input);
-    let extension = input.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let extension =
+        input.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let mut job = Job::new(arguments, interrupted, begun);
     with_threads(arguments.threads, || {
         if input.is_dir() {
@@ -111,18 +112,32 @@ impl<'a> Job<'a> {
 
     /// The folder asked for, or one named after the input.
     fn output(&self) -> PathBuf {
-        let stem = Path::new(&self.arguments.input).file_stem().map_or_else(|| "plisse".into(), |s| s.to_os_string());
-        self.arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem).join("maps"))
+        let stem = Path::new(&self.arguments.input)
+            .file_stem()
+            .map_or_else(|| "plisse".into(), |s| s.to_os_string());
+        self.arguments
+            .output
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("out").join(stem).join("maps"))
     }
 
     fn is_interrupted(&self) -> bool {
         self.interrupted.load(Ordering::SeqCst)
     }
 
-    /// Writes the maps of one frame and takes them into the report. `number` is that of a sequence's frame.
-    fn write(&mut self, folder: &mut OutputFolder, baked: &Baked, number: Option<usize>, time_s: f64) -> Result<()> {
+    /// Writes the maps of one frame and takes them into the report. `number` is that of a
+    /// sequence's frame.
+    fn write(
+        &mut self,
+        folder: &mut OutputFolder,
+        baked: &Baked,
+        number: Option<usize>,
+        time_s: f64,
+    ) -> Result<()> {
         let begun = Instant::now();
-        let name = |map: &str| number.map_or_else(|| format!("{map}.png"), |n| format!("{map}-{n:04}.png"));
+        let name = |map: &str| {
+            number.map_or_else(|| format!("{map}.png"), |n| format!("{map}-{n:04}.png"))
+        };
         let mut files = Vec::new();
         if self.arguments.map != Map::Height {
             folder.write(&name("normal"), |out| png16::write_normal(out, baked))?;
@@ -130,7 +145,8 @@ impl<'a> Job<'a> {
         }
         if self.arguments.map != Map::Normal {
             // Where nothing wrinkles any scale is right.
-            let scale_m = if self.report.height_scale_m > 0.0 { self.report.height_scale_m } else { 1.0 };
+            let scale_m =
+                if self.report.height_scale_m > 0.0 { self.report.height_scale_m } else { 1.0 };
             folder.write(&name("height"), |out| png16::write_height(out, baked, scale_m))?;
             files.push(name("height"));
         }
@@ -138,7 +154,10 @@ impl<'a> Job<'a> {
         self.report.frames.push(Frame {
             time_s,
             files,
-            height_max_m: baked.height_m.iter().fold(0.0, |most: f64, &h| most.max(f64::from(h).abs())),
+            height_max_m: baked
+                .height_m
+                .iter()
+                .fold(0.0, |most: f64, &h| most.max(f64::from(h).abs())),
             covered_texels: count(Coverage::Covered),
             padded_texels: count(Coverage::Padded),
             overlapping_texels: baked.overlapping,
@@ -150,21 +169,30 @@ impl<'a> Job<'a> {
 
     /// report.json and the table; maps of earlier runs that this one did not write go.
     fn finish(&mut self, mut folder: OutputFolder, path: &Path) -> Result<Done> {
-        let interrupted = self.is_interrupted() && self.report.frames.len() < self.arguments.frames.unwrap_or(1) as usize;
+        let interrupted = self.is_interrupted()
+            && self.report.frames.len() < self.arguments.frames.unwrap_or(1) as usize;
         let report = &mut self.report;
         if let Some(frame) = report.frames.first() {
             if frame.overlapping_texels > 0 {
-                let share = 100.0 * frame.overlapping_texels as f64 / frame.covered_texels.max(1) as f64;
-                report
-                    .notes
-                    .push(format!("{share:.1} % of the texels lie on several faces; the first has them (texture coordinates overlap)"));
+                let share =
+                    100.0 * frame.overlapping_texels as f64 / frame.covered_texels.max(1) as f64;
+                report.notes.push(format!(
+                    "{share:.1} % of the texels lie on several faces; the first has \
+                        them (texture coordinates overlap)"
+                ));
             }
             if frame.missed_faces > 0 {
-                report.notes.push(format!("{} face(s) have no texel; they are too small in texture space", frame.missed_faces));
+                report.notes.push(format!(
+                    "{} face(s) have no texel; they are too small in texture space",
+                    frame.missed_faces
+                ));
             }
         }
         if interrupted {
-            report.notes.push(format!("interrupted: the first {} frame(s) are whole, others are missing", report.frames.len()));
+            report.notes.push(format!(
+                "interrupted: the first {} frame(s) are whole, others are missing",
+                report.frames.len()
+            ));
         }
         report.seconds.total = self.begun.elapsed().as_secs_f64();
         let written: Vec<&String> = report.frames.iter().flat_map(|f| &f.files).collect();
@@ -190,16 +218,28 @@ impl Report {
             row("clip", clip.clone());
         }
         let highest = self.frames.iter().fold(0.0, |most: f64, f| most.max(f.height_max_m));
-        row("maps", format!("{} frame(s) of {} x {} texels", self.frames.len(), self.size, self.size));
+        row(
+            "maps",
+            format!("{} frame(s) of {} x {} texels", self.frames.len(), self.size, self.size),
+        );
         row("height", format!("max {highest:.4e} m, scale {:.4e} m", self.height_scale_m));
         if let Some(frame) = self.frames.first() {
             row(
                 "texels",
-                format!("{} covered, {} padded, {} overlapping", frame.covered_texels, frame.padded_texels, frame.overlapping_texels),
+                format!(
+                    "{} covered, {} padded, {} overlapping",
+                    frame.covered_texels, frame.padded_texels, frame.overlapping_texels
+                ),
             );
         }
         let s = &self.seconds;
-        row("seconds", format!("waves {:.3}, bake {:.3}, write {:.3}, total {:.3}", s.waves, s.bake, s.write, s.total));
+        row(
+            "seconds",
+            format!(
+                "waves {:.3}, bake {:.3}, write {:.3}, total {:.3}",
+                s.waves, s.bake, s.write, s.total
+            ),
+        );
         for note in &self.notes {
             table += &format!("  note: {note}\n");
         }
@@ -211,8 +251,14 @@ impl Report {
 /// Whether `name` is that of a map: normal.png, height-0012.png.
 fn is_map(name: &str) -> bool {
     let middle = |map: &str| name.strip_prefix(map).and_then(|rest| rest.strip_suffix(".png"));
-    let number = |rest: &str| rest.strip_prefix('-').is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()));
-    ["normal", "height"].iter().filter_map(|map| middle(map)).any(|rest| rest.is_empty() || number(rest))
+    let number = |rest: &str| {
+        rest.strip_prefix('-')
+            .is_some_and(|n| n.len() >= 4 && n.bytes().all(|b| b.is_ascii_digit()))
+    };
+    ["normal", "height"]
+        .iter()
+        .filter_map(|map| middle(map))
+        .any(|rest| rest.is_empty() || number(rest))
 }
 
 /// Refuses a flag that means nothing for this input.

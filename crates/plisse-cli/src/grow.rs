@@ -46,7 +46,10 @@ struct Watched<'a> {
 
 impl Observer for Watched<'_> {
     fn step(&self, step: &Step) {
-        self.bar.set_message(format!("iteration {}, residual {:.1e} (until {:.0e})", step.iteration, step.residual, step.tolerance));
+        self.bar.set_message(format!(
+            "iteration {}, residual {:.1e} (until {:.0e})",
+            step.iteration, step.residual, step.tolerance
+        ));
     }
 
     fn cancelled(&self) -> bool {
@@ -90,16 +93,31 @@ impl Outcome {
 type Each<'a> = &'a mut dyn FnMut(&[Vec3], &[[usize; 3]]) -> Result<()>;
 
 /// Folds; also the scene on the mesh that followed its folds, if it did.
-fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, each: Each<'_>) -> Result<(Option<BuiltGrowth>, Outcome)> {
+fn fold(
+    grown: &BuiltGrowth,
+    mode: Mode,
+    parts: &[f64],
+    watched: &Watched<'_>,
+    each: Each<'_>,
+) -> Result<(Option<BuiltGrowth>, Outcome)> {
     let (growing, faces) = (grown.growing(), &grown.built.topology.faces);
     if mode == Mode::Reference {
         if grown.options.plasticity > 0.0 {
-            return Err(Error::value("growth.plasticity", "the reference mode forgets no stress; remove this, or use the other mode"));
+            return Err(Error::value(
+                "growth.plasticity",
+                "the reference mode forgets no stress; remove this, or use the other mode",
+            ));
         }
         if grown.adapt.is_some() {
-            return Err(Error::value("growth.remesh", "the reference mode keeps its mesh; remove this, or use the other mode"));
+            return Err(Error::value(
+                "growth.remesh",
+                "the reference mode keeps its mesh; remove this, or use the other mode",
+            ));
         }
-        let (pose, found) = grow_by_forces_each(&growing, &grown.reference, watched, &mut |_, pose| each(pose, faces))?;
+        let (pose, found) =
+            grow_by_forces_each(&growing, &grown.reference, watched, &mut |_, pose| {
+                each(pose, faces)
+            })?;
         let last = found.levels.len();
         let ending = |n: usize, converged: bool| match converged {
             true => ending_name(Ending::Converged),
@@ -116,9 +134,24 @@ fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, e
         };
         let steps = found.levels.iter().enumerate().map(summary).collect();
         let unit = "of the folding force k_p on a vertex";
-        let (cancelled, tolerance, asked, seconds) = (found.cancelled, grown.reference.tolerance, found.asked, found.seconds);
+        let (cancelled, tolerance, asked, seconds) =
+            (found.cancelled, grown.reference.tolerance, found.asked, found.seconds);
         let meshes = Vec::new();
-        return Ok((None, Outcome { mode, pose, asked, steps, meshes, cancelled, tolerance, unit, residual_newton: None, seconds }));
+        return Ok((
+            None,
+            Outcome {
+                mode,
+                pose,
+                asked,
+                steps,
+                meshes,
+                cancelled,
+                tolerance,
+                unit,
+                residual_newton: None,
+                seconds,
+            },
+        ));
     }
     let (on, pose, found, meshes) = match &grown.adapt {
         Some(adapt) => {
@@ -127,7 +160,14 @@ fn fold(grown: &BuiltGrowth, mode: Mode, parts: &[f64], watched: &Watched<'_>, e
             (Some(on.grown), on.pose, growth, report.meshes)
         }
         None => {
-            let (pose, found) = grow_each(&growing, parts, growing.start, &grown.options, watched, &mut |_, pose| each(pose, faces))?;
+            let (pose, found) = grow_each(
+                &growing,
+                parts,
+                growing.start,
+                &grown.options,
+                watched,
+                &mut |_, pose| each(pose, faces),
+            )?;
             (None, pose, found, Vec::new())
         }
     };
@@ -170,8 +210,17 @@ fn follow(
     watched: &Watched<'_>,
     each: Each<'_>,
 ) -> Result<(Followed, AdaptReport)> {
-    let mut each = |_: &StepReport, surface: &Surface<'_>| each(&surface.pose, &surface.topology.faces);
-    let (surface, report) = grow_adapting(&grown.growing(), grown.chart(), parts, &grown.options, adapt, watched, &mut each)?;
+    let mut each =
+        |_: &StepReport, surface: &Surface<'_>| each(&surface.pose, &surface.topology.faces);
+    let (surface, report) = grow_adapting(
+        &grown.growing(),
+        grown.chart(),
+        parts,
+        &grown.options,
+        adapt,
+        watched,
+        &mut each,
+    )?;
     let (grown, pose, asked) = grown.on(surface)?;
     Ok((Followed { grown, pose, asked }, report))
 }
@@ -199,8 +248,11 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
             if arguments.frames {
                 // Another mesh has no texture coordinates yet.
                 let texture = texture.as_ref().filter(|_| faces == grown.built.topology.faces);
-                let texture = texture.map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
-                folder.write(&format!("frame-{:04}.obj", frames.len()), |out| obj::write(out, pose, faces, texture))?;
+                let texture =
+                    texture.map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+                folder.write(&format!("frame-{:04}.obj", frames.len()), |out| {
+                    obj::write(out, pose, faces, texture)
+                })?;
                 frames.push((pose.to_vec(), faces.to_vec()));
             }
             Ok(())
@@ -218,8 +270,12 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
         let reached = grown.reached(&found.pose, &found.asked);
         let mut report = Report::new(grown, &found, reached, counted);
         report.frames = frames.len();
-        report.seconds =
-            Seconds { setup: setup_seconds, grow: found.seconds, measure: measured.elapsed().as_secs_f64(), ..Seconds::default() };
+        report.seconds = Seconds {
+            setup: setup_seconds,
+            grow: found.seconds,
+            measure: measured.elapsed().as_secs_f64(),
+            ..Seconds::default()
+        };
         report.notes = notes(grown, &report, &found, count, interrupted);
         leave_out_other_frames(&mut folder, arguments, frames.len());
 
@@ -229,9 +285,15 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
             let (spinner, drawn) = (bars.spinner("picture"), Instant::now());
             let picture = picture(grown, &found.asked, &found.pose)?;
             folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
-            let images = draw_frames(&frames, &camera(&grown.built.start, &found.pose), &grown.built.obstacles);
+            let images = draw_frames(
+                &frames,
+                &camera(&grown.built.start, &found.pose),
+                &grown.built.obstacles,
+            );
             for (n, image) in images.iter().enumerate() {
-                folder.write(&format!("frame-{n:04}.png"), |out| plisse::picture::write_png(image, out))?;
+                folder.write(&format!("frame-{n:04}.png"), |out| {
+                    plisse::picture::write_png(image, out)
+                })?;
             }
             report.seconds.picture = drawn.elapsed().as_secs_f64();
             drop(spinner);
@@ -248,23 +310,41 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
 }
 
 /// What the user should know about what has grown.
-fn notes(grown: &BuiltGrowth, report: &Report, found: &Outcome, steps: usize, interrupted: &AtomicBool) -> Vec<String> {
+fn notes(
+    grown: &BuiltGrowth,
+    report: &Report,
+    found: &Outcome,
+    steps: usize,
+    interrupted: &AtomicBool,
+) -> Vec<String> {
     let mut notes = grown.built.notes.clone();
     if found.cancelled {
         let part = found.steps.last().map_or(0.0, |step| 100.0 * step.part);
-        let message =
-            format!("interrupted in step {} of {steps}: {part:.0} % of the growth was asked for so far, not all of it", found.steps.len());
+        let message = format!(
+            "interrupted in step {} of {steps}: {part:.0} % of the growth was asked for so far, \
+             not all of it",
+            found.steps.len()
+        );
         notes.push(message);
     } else if interrupted.load(Ordering::SeqCst) {
         notes.push("interrupted after growth had ended by itself; nothing is missing".to_owned());
     } else if !found.at_rest() {
         let (ending, residual, tolerance) = (found.ending(), found.residual(), found.tolerance);
-        let mend = if found.meshes.is_empty() { "growth.iteration_limit or take more steps" } else { "growth.remesh.finish_iterations" };
+        let mend = if found.meshes.is_empty() {
+            "growth.iteration_limit or take more steps"
+        } else {
+            "growth.remesh.finish_iterations"
+        };
         notes.push(format!(
-            "it ended ({ending}) with a residual of {residual:.1e}, above {tolerance:.0e}; this is no equilibrium, raise {mend}"
+            "it ended ({ending}) with a residual of {residual:.1e}, above {tolerance:.0e}; this is \
+             no equilibrium, raise {mend}"
         ));
     } else if let Some(length) = report.length_reached.filter(|&length| length < SHORT) {
-        notes.push(format!("{:.0} % of the asked length was reached; what is frozen, sticks or weighs may hold the rest", 100.0 * length));
+        notes.push(format!(
+            "{:.0} % of the asked length was reached; what is frozen, sticks or \
+            weighs may hold the rest",
+            100.0 * length
+        ));
     }
     notes
 }
@@ -277,14 +357,16 @@ fn leave_out_other_frames(folder: &mut OutputFolder, arguments: &GrowArguments, 
         let rest = name.strip_prefix("frame-").unwrap_or_default();
         let number = |ending: &str| rest.strip_suffix(ending).and_then(|n| n.parse::<usize>().ok());
         let drawn = if arguments.no_picture { 0 } else { frames };
-        if number(".obj").is_some_and(|n| n >= frames) || number(".png").is_some_and(|n| n >= drawn) {
+        if number(".obj").is_some_and(|n| n >= frames) || number(".png").is_some_and(|n| n >= drawn)
+        {
             folder.leave_out(&name);
         }
     }
 }
 
 fn folder_path(arguments: &GrowArguments) -> std::path::PathBuf {
-    let stem = arguments.scene.file_stem().map_or_else(|| "plisse".into(), |stem| stem.to_os_string());
+    let stem =
+        arguments.scene.file_stem().map_or_else(|| "plisse".into(), |stem| stem.to_os_string());
     arguments.output.clone().unwrap_or_else(|| Path::new("out").join(stem))
 }
 
@@ -300,7 +382,13 @@ fn write_meshes(folder: &mut OutputFolder, grown: &BuiltGrowth, pose: &[Vec3]) -
 /// The start with its expansion, the offset on it, what strain is left, and what has folded.
 fn picture(grown: &BuiltGrowth, asked: &RestMetric, pose: &[Vec3]) -> Result<Image> {
     let (topology, start) = (&grown.built.topology, &grown.built.start);
-    let longer: Vec<f64> = grown.maps.expansion.vertices.iter().map(|growth| 100.0 * (growth.principal().0[0] - 1.0).max(0.0)).collect();
+    let longer: Vec<f64> = grown
+        .maps
+        .expansion
+        .vertices
+        .iter()
+        .map(|growth| 100.0 * (growth.principal().0[0] - 1.0).max(0.0))
+        .collect();
     let offset: Vec<f64> = offsets_m(topology, start, pose)?.into_iter().map(|w| 1e3 * w).collect();
     let low = offset.iter().copied().fold(f64::INFINITY, f64::min);
     let raised: Vec<f64> = offset.iter().map(|w| w - low).collect();
@@ -311,7 +399,10 @@ fn picture(grown: &BuiltGrowth, asked: &RestMetric, pose: &[Vec3]) -> Result<Ima
         face.iter().for_each(|&v| missing[v] = missing[v].max(percent));
     }
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
-    let (flat, folded) = (Subject { positions: start, faces: &topology.faces }, Subject { positions: pose, faces: &topology.faces });
+    let (flat, folded) = (
+        Subject { positions: start, faces: &topology.faces },
+        Subject { positions: pose, faces: &topology.faces },
+    );
     let panels = [
         PanelView {
             title: "Start, and how much longer it shall grow",
@@ -328,14 +419,23 @@ fn picture(grown: &BuiltGrowth, asked: &RestMetric, pose: &[Vec3]) -> Result<Ima
             subject: folded,
             paint: Paint::Scalar { values: &missing, maximum: most(&missing), unit: "%" },
         },
-        PanelView { title: "Folded surface", subject: folded, paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false } },
+        PanelView {
+            title: "Folded surface",
+            subject: folded,
+            paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
+        },
     ];
     Ok(draw_panels_by(&panels, pose, &camera(start, pose), &grown.built.obstacles))
 }
 
 /// What lies is seen from aside, so that its folds stand out; all else from where it shows best.
 fn camera(start: &[Vec3], pose: &[Vec3]) -> Camera {
-    let (low, high) = start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let (low, high) =
+        start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = high - low;
-    if size.z < LYING * size.x.min(size.y) { Camera::fit(pose, Axis::Z, 20.0, 45.0) } else { Camera::automatic(pose, Axis::Z) }
+    if size.z < LYING * size.x.min(size.y) {
+        Camera::fit(pose, Axis::Z, 20.0, 45.0)
+    } else {
+        Camera::automatic(pose, Axis::Z)
+    }
 }

@@ -53,7 +53,13 @@ fn size(text: &str) -> Result<[usize; 2]> {
     let parse = |part: &str| part.trim().parse().ok().filter(|n| (1..=8192).contains(n));
     let found = text.split_once(['x', 'X']).and_then(|(w, h)| Some([parse(w)?, parse(h)?]));
     found.ok_or_else(|| {
-        Error::value("--size", format!("\"{text}\" is no size; give WIDTHxHEIGHT in pixels, each 1 to 8192, such as 960x720"))
+        Error::value(
+            "--size",
+            format!(
+                "\"{text}\" is no size; give WIDTHxHEIGHT in pixels, each 1 \
+            to 8192, such as 960x720"
+            ),
+        )
     })
 }
 
@@ -68,12 +74,20 @@ impl Timeline {
     fn new(arguments: &LiveArguments, clip: Option<&Clip>) -> Result<Self> {
         let (fps, start) = (arguments.fps, arguments.start);
         if !(0.1..=10_000.0).contains(&fps) {
-            return Err(Error::value("--fps", format!("{fps} frames a second cannot be made; give 0.1 to 10000")));
+            return Err(Error::value(
+                "--fps",
+                format!("{fps} frames a second cannot be made; give 0.1 to 10000"),
+            ));
         }
         if !(0.0..=3600.0).contains(&start) {
-            return Err(Error::value("--start", format!("{start} s cannot be played to; give 0 to 3600")));
+            return Err(Error::value(
+                "--start",
+                format!("{start} s cannot be played to; give 0 to 3600"),
+            ));
         }
-        let whole = clip.map_or(0.0, |c| (f64::from(c.duration_s()) - start).max(0.0) * fps).floor() as u32 + 1;
+        let whole = clip.map_or(0.0, |c| (f64::from(c.duration_s()) - start).max(0.0) * fps).floor()
+            as u32
+            + 1;
         let frames = arguments.frames.unwrap_or(whole.min(MOST_FRAMES)) as usize;
         let mut steps = Vec::new();
         let before = (start / LONGEST_STEP_S).ceil();
@@ -82,7 +96,9 @@ impl Timeline {
         for frame in 0..frames {
             let shown = start + frame as f64 / fps;
             if frame > 0 {
-                steps.extend((1..parts).map(|p| (shown - (parts - p) as f64 / (fps * parts as f64), false)));
+                steps.extend(
+                    (1..parts).map(|p| (shown - (parts - p) as f64 / (fps * parts as f64), false)),
+                );
             }
             steps.push((shown, true));
         }
@@ -99,16 +115,27 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
     let size = size(&arguments.size)?;
     let mut report = Report::new(&animated, playing, arguments, size);
     let texture = texture(arguments, &animated, &mut report.notes)?;
-    let parts = arguments.parts.map_or_else(|| export::suggest_parts(unified, animated.wavelength_m as f32, PER_WAVE), |n| n as usize);
+    let parts = arguments.parts.map_or_else(
+        || export::suggest_parts(unified, animated.wavelength_m as f32, PER_WAVE),
+        |n| n as usize,
+    );
     if arguments.export.is_some() {
         export::check_size(model, parts, timeline.frames)?;
     }
-    let stem = std::path::Path::new(input).file_stem().map_or_else(|| "plisse".into(), |s| s.to_os_string());
-    let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem).join("live"));
+    let stem = std::path::Path::new(input)
+        .file_stem()
+        .map_or_else(|| "plisse".into(), |s| s.to_os_string());
+    let path =
+        arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem).join("live"));
     let mut folder = OutputFolder::create(&path)?;
     let at = |time_s: f64| pose(model, playing, time_s as f32);
     let camera = camera(arguments, &animated, &timeline, &at, size);
-    let look = Look { profile: &animated.profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: !arguments.no_parallax };
+    let look = Look {
+        profile: &animated.profile,
+        texture: &texture,
+        colour: Vec3::repeat(1.0),
+        parallax: !arguments.no_parallax,
+    };
     let mut machine = Machine::new(arguments.cpu, &animated, size, &texture)?;
     report.adapter = machine.name();
     let bars = Bars::new(interrupted);
@@ -129,7 +156,12 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
             report.jumps.push(f64::from(jumping(strength, [&last.phase, &state.phase], VISIBLE)));
         }
         if shown {
-            report.phase_errors.push(f64::from(mean_phase_error(unified, &state.posed.positions, &state.crushed, &state.phase)));
+            report.phase_errors.push(f64::from(mean_phase_error(
+                unified,
+                &state.posed.positions,
+                &state.crushed,
+                &state.phase,
+            )));
             let picture = machine.draw(&animated, &now, &camera, &look)?;
             report.pixels.push(picture.covered);
             write_frame(&mut folder, report.frames, &picture.image)?;
@@ -154,7 +186,10 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
     };
     let stopped = report.frames < timeline.frames;
     if stopped {
-        report.notes.push(format!("interrupted: the first {} frame(s) are whole, others are missing", report.frames));
+        report.notes.push(format!(
+            "interrupted: the first {} frame(s) are whole, others are missing",
+            report.frames
+        ));
     }
     leave_out_others(&mut folder, &path, report.frames);
     report.seconds_total = begun.elapsed().as_secs_f64();
@@ -165,12 +200,20 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
 }
 
 /// The image that the model is drawn with: the one asked for, its own, or a checked cloth.
-fn texture(arguments: &LiveArguments, animated: &Animated, notes: &mut Vec<String>) -> Result<Texture> {
+fn texture(
+    arguments: &LiveArguments,
+    animated: &Animated,
+    notes: &mut Vec<String>,
+) -> Result<Texture> {
     if let Some(path) = &arguments.texture {
         let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
         return Texture::decode(&path.display().to_string(), &bytes);
     }
-    let own = animated.model.base_colour.as_ref().map(|bytes| Texture::decode(&animated.model.name, bytes));
+    let own = animated
+        .model
+        .base_colour
+        .as_ref()
+        .map(|bytes| Texture::decode(&animated.model.name, bytes));
     Ok(match own {
         Some(Ok(texture)) => texture,
         Some(Err(error)) => {
@@ -183,12 +226,25 @@ fn texture(arguments: &LiveArguments, animated: &Animated, notes: &mut Vec<Strin
 }
 
 /// Sees every pose of the timeline.
-fn camera(arguments: &LiveArguments, animated: &Animated, timeline: &Timeline, at: &impl Fn(f64) -> Pose, size: [usize; 2]) -> Camera {
+fn camera(
+    arguments: &LiveArguments,
+    animated: &Animated,
+    timeline: &Timeline,
+    at: &impl Fn(f64) -> Pose,
+    size: [usize; 2],
+) -> Camera {
     let shown: Vec<f64> = timeline.steps.iter().filter(|s| s.1).map(|s| s.0).collect();
-    let few = (0..FITTED.min(shown.len())).map(|k| shown[k * (shown.len() - 1) / (FITTED.min(shown.len()) - 1).max(1)]);
-    let places: Vec<Vec3> = few.flat_map(|t| skin(&animated.unified.vertices, &at(t)).positions).collect();
+    let few = (0..FITTED.min(shown.len()))
+        .map(|k| shown[k * (shown.len() - 1) / (FITTED.min(shown.len()) - 1).max(1)]);
+    let places: Vec<Vec3> =
+        few.flat_map(|t| skin(&animated.unified.vertices, &at(t)).positions).collect();
     let angle = |degrees: f64| if degrees.is_finite() { degrees.to_radians() as f32 } else { 0.0 };
-    Camera::fit(places.iter(), angle(arguments.yaw), angle(arguments.pitch), size[0] as f32 / size[1] as f32)
+    Camera::fit(
+        places.iter(),
+        angle(arguments.yaw),
+        angle(arguments.pitch),
+        size[0] as f32 / size[1] as f32,
+    )
 }
 
 fn write_frame(folder: &mut OutputFolder, number: usize, image: &Image) -> Result<()> {
@@ -199,7 +255,10 @@ fn write_frame(folder: &mut OutputFolder, number: usize, image: &Image) -> Resul
 fn leave_out_others(folder: &mut OutputFolder, path: &std::path::Path, frames: usize) {
     for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        let number = name.strip_prefix("frame-").and_then(|n| n.strip_suffix(".png")).and_then(|n| n.parse::<usize>().ok());
+        let number = name
+            .strip_prefix("frame-")
+            .and_then(|n| n.strip_suffix(".png"))
+            .and_then(|n| n.parse::<usize>().ok());
         if number.is_some_and(|n| n >= frames) {
             folder.leave_out(&name);
         }
@@ -207,13 +266,26 @@ fn leave_out_others(folder: &mut OutputFolder, path: &std::path::Path, frames: u
 }
 
 /// Writes the geometry of all frames to `file`; returns its place for the report.
-fn write_export(file: &std::path::Path, animated: &Animated, fine: &[Fine], fps: f64) -> Result<String> {
-    let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(std::path::Path::new("."));
+fn write_export(
+    file: &std::path::Path,
+    animated: &Animated,
+    fine: &[Fine],
+    fps: f64,
+) -> Result<String> {
+    let parent =
+        file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(std::path::Path::new("."));
     let name = file.file_name().and_then(|n| n.to_str());
-    let name = name.ok_or_else(|| Error::value("--export", format!("{} names no file; give one that ends in .glb", file.display())))?;
+    let name = name.ok_or_else(|| {
+        Error::value(
+            "--export",
+            format!("{} names no file; give one that ends in .glb", file.display()),
+        )
+    })?;
     let mut folder = OutputFolder::create(parent)?;
     let between = if fps < 24.0 { Between::Linear } else { Between::Step };
-    folder.write(name, |out| export::write_sequence(out, &animated.model, fine, fps as f32, between))?;
+    folder.write(name, |out| {
+        export::write_sequence(out, &animated.model, fine, fps as f32, between)
+    })?;
     folder.commit()?;
     Ok(file.display().to_string())
 }

@@ -1,5 +1,6 @@
-//! The `plisse` command: reads scenes and meshes, runs the library, writes files. Everything it says goes through here; the
-//! library never prints. Nothing here uses `println` and its kin, which panic where nobody reads any more.
+//! The `plisse` command: reads scenes and meshes, runs the library, writes files. Everything it
+//! says goes through here; the library never prints. Nothing here uses `println` and its kin, which
+//! panic where nobody reads any more.
 
 mod animated;
 mod arguments;

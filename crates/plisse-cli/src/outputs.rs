@@ -22,20 +22,29 @@ const PICTURE_SIZE: (usize, usize) = (1600, 1200);
 const FRAME_SIZE: (usize, usize) = (800, 600);
 
 /// Writes `value` as `name`, a JSON file.
-pub(crate) fn write_json(folder: &mut OutputFolder, name: &str, value: &impl Serialize) -> Result<()> {
+pub(crate) fn write_json(
+    folder: &mut OutputFolder,
+    name: &str,
+    value: &impl Serialize,
+) -> Result<()> {
     folder.write(name, |out| {
         serde_json::to_writer_pretty(&mut *out, value)?;
         out.write_all(b"\n")
     })
 }
 
-/// Prints `text`. Nobody may be there to read it (`| head`): the run has not failed for that, its files are written.
+/// Prints `text`. Nobody may be there to read it (`| head`): the run has not failed for that, its
+/// files are written.
 pub(crate) fn say(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Writes report.json, lets all files appear, and prints `table` with their folder below.
-pub(crate) fn leave(mut folder: OutputFolder, report: &impl Serialize, mut table: String) -> Result<()> {
+pub(crate) fn leave(
+    mut folder: OutputFolder,
+    report: &impl Serialize,
+    mut table: String,
+) -> Result<()> {
     write_json(&mut folder, "report.json", report)?;
     let paths = folder.commit()?;
     if let Some(parent) = paths.first().and_then(|p| p.parent()) {
@@ -47,7 +56,8 @@ pub(crate) fn leave(mut folder: OutputFolder, report: &impl Serialize, mut table
 
 /// The bodies of a scene as one mesh, as far as they are around `pose`.
 fn bodies_around(pose: &[Vec3], obstacles: &[Obstacle]) -> (Vec<Vec3>, Vec<[usize; 3]>) {
-    let (low, high) = pose.iter().fold((pose[0], pose[0]), |(low, high), p| (low.inf(p), high.sup(p)));
+    let (low, high) =
+        pose.iter().fold((pose[0], pose[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let (mut positions, mut faces) = (Vec::new(), Vec::new());
     for obstacle in obstacles {
         let (more, corners) = obstacle.surface(&low, &high);
@@ -59,18 +69,34 @@ fn bodies_around(pose: &[Vec3], obstacles: &[Obstacle]) -> (Vec<Vec3>, Vec<[usiz
 }
 
 /// Four panels among the scene's bodies, seen from where the pose shows best.
-pub(crate) fn draw_panels(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obstacles: &[Obstacle]) -> Image {
+pub(crate) fn draw_panels(
+    panels: &[PanelView; 4],
+    pose: &[Vec3],
+    up: Up,
+    obstacles: &[Obstacle],
+) -> Image {
     draw_panels_at(panels, pose, up, obstacles, PICTURE_SIZE)
 }
 
 /// As [`draw_panels`], `size` pixels large.
-pub(crate) fn draw_panels_at(panels: &[PanelView; 4], pose: &[Vec3], up: Up, obstacles: &[Obstacle], size: (usize, usize)) -> Image {
+pub(crate) fn draw_panels_at(
+    panels: &[PanelView; 4],
+    pose: &[Vec3],
+    up: Up,
+    obstacles: &[Obstacle],
+    size: (usize, usize),
+) -> Image {
     let axis = match up {
         Up::Y => Axis::Y,
         Up::Z => Axis::Z,
     };
     let bodies = bodies_around(pose, obstacles);
-    draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, &Camera::automatic(pose, axis), size)
+    draw_among(
+        panels,
+        Subject { positions: &bodies.0, faces: &bodies.1 },
+        &Camera::automatic(pose, axis),
+        size,
+    )
 }
 
 /// A pose (`[V]`, m) and its faces.
@@ -80,13 +106,25 @@ pub(crate) type Frame = (Vec<Vec3>, Vec<[usize; 3]>);
 pub(crate) fn draw_frames(frames: &[Frame], camera: &Camera, obstacles: &[Obstacle]) -> Vec<Image> {
     let Some((last, _)) = frames.last() else { return Vec::new() };
     let bodies = bodies_around(last, obstacles);
-    let poses: Vec<Subject<'_>> = frames.iter().map(|(positions, faces)| Subject { positions, faces }).collect();
+    let poses: Vec<Subject<'_>> =
+        frames.iter().map(|(positions, faces)| Subject { positions, faces }).collect();
     let paint = Paint::Plain { colour: CLOTH_SRGB, wireframe: false };
-    plisse::picture::draw_frames(&poses, paint, Subject { positions: &bodies.0, faces: &bodies.1 }, camera, FRAME_SIZE)
+    plisse::picture::draw_frames(
+        &poses,
+        paint,
+        Subject { positions: &bodies.0, faces: &bodies.1 },
+        camera,
+        FRAME_SIZE,
+    )
 }
 
 /// As [`draw_panels`], seen by this camera.
-pub(crate) fn draw_panels_by(panels: &[PanelView; 4], pose: &[Vec3], camera: &Camera, obstacles: &[Obstacle]) -> Image {
+pub(crate) fn draw_panels_by(
+    panels: &[PanelView; 4],
+    pose: &[Vec3],
+    camera: &Camera,
+    obstacles: &[Obstacle],
+) -> Image {
     let bodies = bodies_around(pose, obstacles);
     draw_among(panels, Subject { positions: &bodies.0, faces: &bodies.1 }, camera, PICTURE_SIZE)
 }
@@ -103,8 +141,12 @@ pub(crate) fn picture(
     let fine = &wrinkled.fine;
     let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
     let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
-    let phase: Vec<[f64; 3]> =
-        fine.phase.iter().zip(&fine.wrinkle_free).map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase }).collect();
+    let phase: Vec<[f64; 3]> = fine
+        .phase
+        .iter()
+        .zip(&fine.wrinkle_free)
+        .map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase })
+        .collect();
     let panels = [
         PanelView {
             title: "Base surface",
@@ -114,7 +156,11 @@ pub(crate) fn picture(
         PanelView {
             title: "Amplitude",
             subject: base,
-            paint: Paint::Scalar { values: &millimetres, maximum: amplitude_max_m * 1e3, unit: "mm" },
+            paint: Paint::Scalar {
+                values: &millimetres,
+                maximum: amplitude_max_m * 1e3,
+                unit: "mm",
+            },
         },
         PanelView { title: "Phase", subject: base, paint: Paint::Phase { corners: &phase } },
         PanelView {

@@ -23,7 +23,8 @@ struct Current {
     stage: &'static str,
     first_residual: f64,
     begun: Instant,
-    /// Part that was done at best, 0 to 1: a residual may rise on its way down, the bar does not go back.
+    /// Part that was done at best, 0 to 1: a residual may rise on its way down, the bar does not go
+    /// back.
     done: f64,
     bar: ProgressBar,
 }
@@ -40,13 +41,15 @@ impl<'a> Bars<'a> {
     /// A spinner for a step that cannot tell how far it is; it lasts until dropped or finished.
     pub(crate) fn spinner(&self, what: &'static str) -> ProgressBar {
         self.finish();
-        let style = ProgressStyle::with_template("{msg:>8} {spinner} {elapsed}").expect("the template is right");
+        let style = ProgressStyle::with_template("{msg:>8} {spinner} {elapsed}")
+            .expect("the template is right");
         let bar = ProgressBar::new_spinner().with_style(style).with_message(what);
         bar.enable_steady_tick(Duration::from_millis(100));
         bar
     }
 
-    /// A bar for `total` things that are done one by one, with an estimate of the time left; until finished.
+    /// A bar for `total` things that are done one by one, with an estimate of the time left; until
+    /// finished.
     pub(crate) fn counter(&self, what: &'static str, total: usize) -> ProgressBar {
         self.finish();
         let template = "{prefix:>8} {bar:30} {pos} of {len}, about {eta} left {msg}";
@@ -56,7 +59,9 @@ impl<'a> Bars<'a> {
 
     /// Takes the current bar away.
     pub(crate) fn finish(&self) {
-        if let Some(current) = self.current.lock().expect("no thread panics while it holds a bar").take() {
+        if let Some(current) =
+            self.current.lock().expect("no thread panics while it holds a bar").take()
+        {
             current.bar.finish_and_clear();
         }
     }
@@ -69,7 +74,8 @@ impl Observer for Bars<'_> {
             if let Some(old) = current.take() {
                 old.bar.finish_and_clear();
             }
-            let style = ProgressStyle::with_template("{prefix:>8} {bar:30} {msg}").expect("the template is right");
+            let style = ProgressStyle::with_template("{prefix:>8} {bar:30} {msg}")
+                .expect("the template is right");
             let bar = ProgressBar::new(PARTS).with_style(style).with_prefix(step.stage);
             *current = Some(Current {
                 stage: step.stage,
@@ -128,7 +134,8 @@ mod tests {
     fn lines_come_every_half_minute() {
         let begun = Instant::now();
         let mut last = begun;
-        let written: Vec<u64> = (0..100).filter(|&s| is_due(&mut last, begun + Duration::from_secs(s))).collect();
+        let written: Vec<u64> =
+            (0..100).filter(|&s| is_due(&mut last, begun + Duration::from_secs(s))).collect();
         assert_eq!(written, [30, 60, 90]);
     }
 }

@@ -35,7 +35,8 @@ pub(crate) struct Report {
     /// Largest component: J/m for amplitudes, J/rad for phases.
     pub(crate) projected_gradient: f64,
     pub(crate) amplitude_m: AmplitudeSummary,
-    /// Over wrinkled faces whose amplitude is at least 1 % of the largest; null where nothing wrinkles.
+    /// Over wrinkled faces whose amplitude is at least 1 % of the largest; null where nothing
+    /// wrinkles.
     pub(crate) wavelength_m: Option<Wavelengths>,
     pub(crate) base: Option<BaseSummary>,
     pub(crate) surface: SurfaceSummary,
@@ -81,7 +82,13 @@ pub(crate) struct Seconds {
 }
 
 impl Report {
-    pub(crate) fn new(title: &str, topology: &Topology, rest: &RestMetric, field: &WrinkleField, found: &FieldReport) -> Self {
+    pub(crate) fn new(
+        title: &str,
+        topology: &Topology,
+        rest: &RestMetric,
+        field: &WrinkleField,
+        found: &FieldReport,
+    ) -> Self {
         let count = field.amplitude_m.len().max(1) as f64;
         let max = field.largest_amplitude_m();
         Self {
@@ -101,13 +108,22 @@ impl Report {
             energy_terms: found.energy_terms,
             wrinkle_free_energy_joule: found.wrinkle_free_energy_joule,
             projected_gradient: found.projected_gradient,
-            amplitude_m: AmplitudeSummary { max, mean: field.amplitude_m.iter().sum::<f64>() / count },
+            amplitude_m: AmplitudeSummary {
+                max,
+                mean: field.amplitude_m.iter().sum::<f64>() / count,
+            },
             wavelength_m: field.wavelengths(topology, rest),
             base: None,
             surface: SurfaceSummary { levels: 0, vertices: 0, faces: 0 },
             measures: Vec::new(),
             notes: Vec::new(),
-            seconds: Seconds { base: 0.0, field: found.field_seconds, phase: found.phase_seconds, surface: 0.0, total: 0.0 },
+            seconds: Seconds {
+                base: 0.0,
+                field: found.field_seconds,
+                phase: found.phase_seconds,
+                surface: 0.0,
+                total: 0.0,
+            },
         }
     }
 
@@ -118,9 +134,21 @@ impl Report {
         if let Some(paper) = &self.paper {
             row("published", paper.clone());
         }
-        row("mesh", format!("{} vertices, {} faces, {} of them wrinkle-free", self.vertices, self.faces, self.wrinkle_free_faces));
+        row(
+            "mesh",
+            format!(
+                "{} vertices, {} faces, {} of them wrinkle-free",
+                self.vertices, self.faces, self.wrinkle_free_faces
+            ),
+        );
         if let Some(base) = &self.base {
-            row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));
+            row(
+                "base",
+                format!(
+                    "{} iterations, {}, {:.6e} J",
+                    base.iterations, base.ending, base.energy_joule
+                ),
+            );
         }
         row(
             "field",
@@ -129,26 +157,49 @@ impl Report {
                 self.iterations, self.ending, self.energy_joule, self.projected_gradient
             ),
         );
-        row("amplitude", format!("max {:.4e} m, mean {:.4e} m", self.amplitude_m.max, self.amplitude_m.mean));
+        row(
+            "amplitude",
+            format!("max {:.4e} m, mean {:.4e} m", self.amplitude_m.max, self.amplitude_m.mean),
+        );
         match &self.wavelength_m {
-            Some(w) => row("wavelength", format!("min {:.4e} m, median {:.4e} m, max {:.4e} m", w.min, w.median, w.max)),
+            Some(w) => row(
+                "wavelength",
+                format!("min {:.4e} m, median {:.4e} m, max {:.4e} m", w.min, w.median, w.max),
+            ),
             None => row("wavelength", "nothing wrinkles".to_owned()),
         }
         if !self.periods.is_empty() {
-            let mut text: Vec<String> = self.periods.iter().take(8).map(ToString::to_string).collect();
+            let mut text: Vec<String> =
+                self.periods.iter().take(8).map(ToString::to_string).collect();
             if self.periods.len() > 8 {
                 text.push(format!("… ({} loops)", self.periods.len()));
             }
-            row("waves around loops", format!("{} ({:.2} before rounding)", text.join(", "), self.periods_before_rounding[0]));
+            row(
+                "waves around loops",
+                format!(
+                    "{} ({:.2} before rounding)",
+                    text.join(", "),
+                    self.periods_before_rounding[0]
+                ),
+            );
         }
         for measured in &self.measures {
             row(&measured.name, measured_row(measured));
         }
-        row("surface", format!("{} levels, {} vertices, {} faces", self.surface.levels, self.surface.vertices, self.surface.faces));
+        row(
+            "surface",
+            format!(
+                "{} levels, {} vertices, {} faces",
+                self.surface.levels, self.surface.vertices, self.surface.faces
+            ),
+        );
         let s = &self.seconds;
         row(
             "seconds",
-            format!("base {:.3}, field {:.3}, phase {:.3}, surface {:.3}, total {:.3}", s.base, s.field, s.phase, s.surface, s.total),
+            format!(
+                "base {:.3}, field {:.3}, phase {:.3}, surface {:.3}, total {:.3}",
+                s.base, s.field, s.phase, s.surface, s.total
+            ),
         );
         for note in &self.notes {
             table += &format!("  note: {note}\n");
@@ -176,7 +227,11 @@ struct Plain(f64);
 impl std::fmt::Display for Plain {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let v = self.0;
-        if v == 0.0 || (1e-2..1e6).contains(&v.abs()) { write!(f, "{}", (v * 100.0).round() / 100.0) } else { write!(f, "{v:.3e}") }
+        if v == 0.0 || (1e-2..1e6).contains(&v.abs()) {
+            write!(f, "{}", (v * 100.0).round() / 100.0)
+        } else {
+            write!(f, "{v:.3e}")
+        }
     }
 }
 

@@ -46,9 +46,14 @@ pub(crate) fn open_output_at(output: Option<&Path>, input: &Path) -> Result<Outp
 }
 
 /// Runs `work` with as many threads as the user asked for.
-pub(crate) fn with_threads<T: Send>(threads: Option<u32>, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+pub(crate) fn with_threads<T: Send>(
+    threads: Option<u32>,
+    work: impl FnOnce() -> Result<T> + Send,
+) -> Result<T> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0) as usize);
-    let pool = builder.build().map_err(|e| Error::value("threads", format!("the threads could not be started ({e}); ask for fewer")))?;
+    let pool = builder.build().map_err(|e| {
+        Error::value("threads", format!("the threads could not be started ({e}); ask for fewer"))
+    })?;
     pool.install(work)
 }
 
@@ -60,20 +65,27 @@ pub(crate) fn leave_out(field: &mut FieldOptions, names: &[String]) -> Result<()
         } else {
             field.terms = field.terms.without(name).ok_or_else(|| {
                 let known = Terms::NAMES.join(", ");
-                Error::value("--without", format!("there is no term '{name}'; known are {known}, relaxed-integrability"))
+                Error::value(
+                    "--without",
+                    format!("there is no term '{name}'; known are {known}, relaxed-integrability"),
+                )
             })?;
         }
     }
     Ok(())
 }
 
-/// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything long begins.
+/// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything
+/// long begins.
 pub(crate) fn check_levels(field: &str, levels: Option<usize>, topology: &Topology) -> Result<()> {
     let most = levels_within(topology, MOST_FACES);
     match levels {
         Some(levels) if levels > most => {
-            let message =
-                format!("{levels} levels would make more than {MOST_FACES} faces of {}; ask for {most} or fewer", topology.face_count());
+            let message = format!(
+                "{levels} levels would make more than {MOST_FACES} faces of {}; ask for {most} or \
+                 fewer",
+                topology.face_count()
+            );
             Err(Error::value(field, message))
         }
         _ => Ok(()),
@@ -91,7 +103,8 @@ pub(crate) fn finish(
     measure: impl FnOnce(&WrinkleField, &FieldReport) -> Vec<Measured>,
 ) -> Result<Done> {
     let (posed, topology) = (&job.posed, job.posed.topology);
-    let solved = solve(topology, posed.rest, posed.pose, job.held, posed.material, &job.field, bars)?;
+    let solved =
+        solve(topology, posed.rest, posed.pose, job.held, posed.material, &job.field, bars)?;
     bars.finish();
     let (field, found) = (&solved.field, &solved.report);
     let mut report = Report::new(job.title, topology, posed.rest, field, found);
@@ -109,7 +122,11 @@ pub(crate) fn finish(
     let hurried = interrupted.load(Ordering::SeqCst) && posed.levels.is_none();
     let wrinkled = posed.wrinkle(field, if hurried { 0 } else { posed.levels(field) });
     let fine = &wrinkled.fine;
-    report.surface = SurfaceSummary { levels: fine.levels, vertices: fine.topology.vertex_count, faces: fine.topology.face_count() };
+    report.surface = SurfaceSummary {
+        levels: fine.levels,
+        vertices: fine.topology.vertex_count,
+        faces: fine.topology.face_count(),
+    };
     drop(spinner);
 
     let spinner = bars.spinner("files");
@@ -117,20 +134,37 @@ pub(crate) fn finish(
         Up::Y => UpAxis::Y,
         Up::Z => UpAxis::Z,
     };
-    let draw = || outputs::picture(topology, posed.pose, &wrinkled, report.amplitude_m.max, job.up, posed.obstacles.0);
-    let (picture, written) = rayon::join(|| (!arguments.no_picture).then(draw), || posed.write(&mut folder, field, &wrinkled, axis));
+    let draw = || {
+        outputs::picture(
+            topology,
+            posed.pose,
+            &wrinkled,
+            report.amplitude_m.max,
+            job.up,
+            posed.obstacles.0,
+        )
+    };
+    let (picture, written) = rayon::join(
+        || (!arguments.no_picture).then(draw),
+        || posed.write(&mut folder, field, &wrinkled, axis),
+    );
     written?;
     match picture {
-        Some(picture) => folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?,
+        Some(picture) => {
+            folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?
+        }
         None => folder.leave_out("picture.png"),
     }
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {
         let interrupted = ending_name(Ending::Cancelled);
-        let cut_short = report.ending == interrupted || report.base.as_ref().is_some_and(|base| base.ending == interrupted);
+        let cut_short = report.ending == interrupted
+            || report.base.as_ref().is_some_and(|base| base.ending == interrupted);
         report.notes.push(match cut_short {
             true => "interrupted: this is the best state so far, not a solution".to_owned(),
-            false => "interrupted after the solve had ended by itself; nothing is missing".to_owned(),
+            false => {
+                "interrupted after the solve had ended by itself; nothing is missing".to_owned()
+            }
         });
     }
     report.seconds.surface = surface_begun.elapsed().as_secs_f64();

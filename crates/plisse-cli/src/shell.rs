@@ -1,4 +1,5 @@
-//! `plisse shell`: a scene file to a shell whose mesh itself bears the wrinkles, for comparison with `plisse solve`.
+//! `plisse shell`: a scene file to a shell whose mesh itself bears the wrinkles, for comparison
+//! with `plisse solve`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -78,10 +79,15 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
         if interrupted.load(Ordering::SeqCst) {
             notes.push("interrupted: this is the best state so far, not a solution".to_owned());
         } else if found.ending == Ending::IterationLimit {
-            notes.push("the iteration limit came first; this is no equilibrium, give --iterations more".to_owned());
+            notes.push(
+                "the iteration limit came first; this is no equilibrium, give --iterations more"
+                    .to_owned(),
+            );
         } else if found.is_stuck() {
             notes.push(format!(
-                "no step lowers the energy any more, but a gradient of {:.1e} N is left: a face may have lost its area, and this is no equilibrium; take another mesh, by --finer or the panel's seed",
+                "no step lowers the energy any more, but a gradient of {:.1e} N is left: a face \
+                 may have lost its area, and this is no equilibrium; take another mesh, by --finer \
+                 or the panel's seed",
                 found.gradient_newton
             ));
         }
@@ -95,11 +101,17 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             ending: shell_ending(&found),
             energy_joule: found.energy_joule,
             gradient_newton: found.gradient_newton,
-            displacement_max_m: displacement(&built, &start, &pose).into_iter().fold(0.0, |most, d| d.abs().max(most)),
+            displacement_max_m: displacement(&built, &start, &pose)
+                .into_iter()
+                .fold(0.0, |most, d| d.abs().max(most)),
             base: base.as_ref().map(BaseSummary::from),
             measures: scene::measure_shell(&built, &start, &pose),
             notes,
-            seconds: Seconds { base: base_seconds, shell: found.seconds, total: begun.elapsed().as_secs_f64() },
+            seconds: Seconds {
+                base: base_seconds,
+                shell: found.seconds,
+                total: begun.elapsed().as_secs_f64(),
+            },
         };
         write(&built, &start, &pose, report, &found, arguments, folder, &bars)?;
         Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
@@ -109,10 +121,18 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
 /// Divides the edge length of every panel.
 fn refine(scene: &mut Scene, finer: f64) -> Result<()> {
     if !(finer > 0.0 && finer.is_finite()) {
-        return Err(Error::value("--finer", format!("{finer} is no factor; give a number above 0, such as 2 for edges half as long")));
+        return Err(Error::value(
+            "--finer",
+            format!(
+                "{finer} is no factor; give a number above 0, such as 2 for edges half as long"
+            ),
+        ));
     }
     if scene.mesh.is_some() && finer != 1.0 {
-        return Err(Error::value("--finer", "the scene has a mesh, not panels; refine the mesh itself and leave --finer out"));
+        return Err(Error::value(
+            "--finer",
+            "the scene has a mesh, not panels; refine the mesh itself and leave --finer out",
+        ));
     }
     for panel in &mut scene.panel {
         panel.edge_length_m /= finer;
@@ -158,9 +178,18 @@ fn write(
     let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
     row("mesh", format!("{} vertices, {} faces", report.vertices, report.faces));
     if let Some(base) = &report.base {
-        row("base", format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule));
+        row(
+            "base",
+            format!("{} iterations, {}, {:.6e} J", base.iterations, base.ending, base.energy_joule),
+        );
     }
-    row("shell", format!("{} iterations, {}, {:.6e} J", report.iterations, report.ending, report.energy_joule));
+    row(
+        "shell",
+        format!(
+            "{} iterations, {}, {:.6e} J",
+            report.iterations, report.ending, report.energy_joule
+        ),
+    );
     row("gradient", format!("{:.1e} N", found.gradient_newton));
     row("displacement", format!("max {:.4e} m", report.displacement_max_m));
     for measured in &report.measures {
@@ -199,8 +228,16 @@ fn picture(built: &Built, start: &[Vec3], pose: &[Vec3]) -> plisse::picture::Ima
             subject,
             paint: Paint::Scalar { values: &height, maximum: most(&height), unit: "mm" },
         },
-        PanelView { title: "Compression left", subject, paint: Paint::Scalar { values: &pressed, maximum: most(&pressed), unit: "%" } },
-        PanelView { title: "Shell", subject, paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false } },
+        PanelView {
+            title: "Compression left",
+            subject,
+            paint: Paint::Scalar { values: &pressed, maximum: most(&pressed), unit: "%" },
+        },
+        PanelView {
+            title: "Shell",
+            subject,
+            paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
+        },
     ];
     draw_panels(&panels, pose, Up::Z, &built.obstacles)
 }

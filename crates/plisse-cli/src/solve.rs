@@ -19,7 +19,11 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     leave_out(&mut built.field, &arguments.output.without)?;
     match arguments.output.levels {
         Some(levels) => check_levels("--levels", Some(levels as usize), &built.topology)?,
-        None => check_levels(&format!("{}, surface.levels", arguments.scene.display()), built.levels, &built.topology)?,
+        None => check_levels(
+            &format!("{}, surface.levels", arguments.scene.display()),
+            built.levels,
+            &built.topology,
+        )?,
     }
     let folder = open_output(&arguments.output, &arguments.scene)?;
     let bars = Bars::new(interrupted);
@@ -38,21 +42,29 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             base: Some(&base),
             notes: built.notes.iter().cloned().chain(base_notes(&base)).collect(),
         };
-        finish(job, &arguments.output, folder, &bars, interrupted, begun, |field, report| scene::measure(&built, field, report))
+        finish(job, &arguments.output, folder, &bars, interrupted, begun, |field, report| {
+            scene::measure(&built, field, report)
+        })
     })
 }
 
-/// What the user should know about a base surface: the paper's own warning about tension field theory.
+/// What the user should know about a base surface: the paper's own warning about tension field
+/// theory.
 pub(crate) fn base_notes(base: &BaseReport) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(first) = base.resolved_faces.first() {
         let count = base.resolved_faces.len();
-        notes.push(format!("{count} face(s) started inside an obstacle, the first is face {first}; they were pushed out"));
+        notes.push(format!(
+            "{count} face(s) started inside an obstacle, the first is face {first}; \
+            they were pushed out"
+        ));
     }
-    for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")] {
+    for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")]
+    {
         if let Some(first) = faces.first() {
             notes.push(format!(
-                "the base surface has {} {what} face(s), the first is face {first}; try another base.compressive_stiffness (0, 1e-3, 1e-2) or finer edges",
+                "the base surface has {} {what} face(s), the first is face {first}; try another \
+                 base.compressive_stiffness (0, 1e-3, 1e-2) or finer edges",
                 faces.len()
             ));
         }

@@ -23,7 +23,11 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };
     leave_out(&mut field, &arguments.output.without)?;
     let worn = worn::read(&arguments.pose, worn::Rest::File(&arguments.rest), 1.0)?;
-    let metric = RestMetric::from_shape(&arguments.rest.display().to_string(), &worn.rest_positions, &worn.rest_faces)?;
+    let metric = RestMetric::from_shape(
+        &arguments.rest.display().to_string(),
+        &worn.rest_positions,
+        &worn.rest_faces,
+    )?;
     let topology = &worn.topology;
     let mut held = vec![false; topology.vertex_count];
     if let Some(path) = &arguments.clamp {

@@ -1,5 +1,5 @@
-//! Bad input for `plisse solve` from outside: each gives one sentence that names the place and the mend, exit code 2, and no
-//! files; soon, whatever it asks for.
+//! Bad input for `plisse solve` from outside: each gives one sentence that names the place and the
+//! mend, exit code 2, and no files; soon, whatever it asks for.
 
 mod harness;
 
@@ -59,7 +59,8 @@ axes = "xyz"
 levels = 1
 "#;
 
-/// Refusing takes no longer than this (a case takes milliseconds; only eating memory or solving takes longer).
+/// Refusing takes no longer than this (a case takes milliseconds; only eating memory or solving
+/// takes longer).
 const SOON: Duration = Duration::from_secs(5);
 
 /// The scene with the first `from` replaced.
@@ -99,11 +100,23 @@ fn wrong_text_names_file_and_line() {
     refuse("syntax.toml", spoilt("poisson = 0.3", "poisson = = 0.3"), &["line 5", "not TOML"]);
     refuse("unclosed.toml", spoilt("[material]", "[material"), &["line 3", "not TOML"]);
     refuse("twice.toml", spoilt("poisson = 0.3", "young_pa = 0.3"), &["line 5", "duplicate"]);
-    refuse("unknown.toml", spoilt("poisson = 0.3", "poison = 0.3"), &["line 5", "poison", "poisson"]);
+    refuse(
+        "unknown.toml",
+        spoilt("poisson = 0.3", "poison = 0.3"),
+        &["line 5", "poison", "poisson"],
+    );
     refuse("table.toml", format!("{SCENE}\n[gravity]\nx = 1\n"), &["line 50", "gravity"]);
     refuse("missing.toml", spoilt("thickness_m = 1e-3\n", ""), &["line 3", "thickness_m"]);
-    refuse("nopanel.toml", "title = \"t\"\n[material]\nyoung_pa = 1\npoisson = 0\nthickness_m = 1\n", &["panel"]);
-    refuse("type.toml", spoilt("young_pa = 1e7", "young_pa = \"soft\""), &["line 4", "young_pa", "number"]);
+    refuse(
+        "nopanel.toml",
+        "title = \"t\"\n[material]\nyoung_pa = 1\npoisson = 0\nthickness_m = 1\n",
+        &["panel"],
+    );
+    refuse(
+        "type.toml",
+        spoilt("young_pa = 1e7", "young_pa = \"soft\""),
+        &["line 4", "young_pa", "number"],
+    );
     refuse("list.toml", spoilt("[-0.01, 0.0, 0.0]", "[-0.01, 0.0]"), &["move_m", "three numbers"]);
     refuse("negative.toml", spoilt("levels = 1", "levels = -1"), &["levels", "whole number"]);
     refuse("garbage.toml", (0..=255_u8).cycle().take(5000).collect::<Vec<u8>>(), &["text file"]);
@@ -139,8 +152,16 @@ fn wrong_values_name_file_and_field() {
         ("a = \"p.top\"", "a = \"r.bottom\"", &["seam[0].b", "itself"]),
         ("a = \"p.top\"\nb = \"r.bottom\"", "a = \"p.right\"\nb = \"q.left\"", &["seam", "length"]),
         ("b = \"r.bottom\"", "b = \"r.top\"", &["seam[0]", "apart"]),
-        ("b = \"r.bottom\"\nreversed = true", "b = \"r.bottom\"\nreversed = false", &["seam[0]", "apart", "reversed"]),
-        ("side = \"q.left\"", "side = \"q.leftmost\"", &["clamp[2].side", "leftmost", "bottom, right, top, left"]),
+        (
+            "b = \"r.bottom\"\nreversed = true",
+            "b = \"r.bottom\"\nreversed = false",
+            &["seam[0]", "apart", "reversed"],
+        ),
+        (
+            "side = \"q.left\"",
+            "side = \"q.leftmost\"",
+            &["clamp[2].side", "leftmost", "bottom, right, top, left"],
+        ),
         ("side = \"q.left\"", "side = \"z.left\"", &["clamp[2].side", "\"z\"", "p, q, r"]),
         ("side = \"q.left\"", "side = \"\"", &["clamp[2].side", "panel.side"]),
         ("axes = \"xyz\"", "axes = \"xw\"", &["clamp[2].axes", "xw"]),
@@ -165,11 +186,31 @@ fn wrong_values_name_file_and_field() {
 fn seams_loads_and_meshes_that_do_not_fit_are_told() {
     for (n, (from, to, needles)) in [
         ("a = \"p.top\"", "a = \"z.top\"", &["seam[0].a", "\"z\"", "p, q, r"][..]),
-        ("a = \"p.top\"\nb = \"r.bottom\"", "a = \"p.right\"\nb = \"q.right\"", &["seam 0", "equally long"]),
-        ("[surface]", "[load]\npressure_pa = 600.0\n\n[surface]", &["load.pressure_pa", "open at side \"p.bottom\"", "sew every side"]),
-        ("[surface]", "[load]\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\n[surface]", &["material.density_kg_m3", "gravity needs a density"]),
-        ("[surface]", "[mesh]\nworn = \"worn.obj\"\nmetres_per_uv = 1.0\n\n[surface]", &["mesh", "panels and a mesh", "keep one"]),
-        ("[surface]", "[[force]]\nnewton = [0.0, 0.0, 1.0]\n\n[surface]", &["force[0]", "side, near_m and within_m"]),
+        (
+            "a = \"p.top\"\nb = \"r.bottom\"",
+            "a = \"p.right\"\nb = \"q.right\"",
+            &["seam 0", "equally long"],
+        ),
+        (
+            "[surface]",
+            "[load]\npressure_pa = 600.0\n\n[surface]",
+            &["load.pressure_pa", "open at side \"p.bottom\"", "sew every side"],
+        ),
+        (
+            "[surface]",
+            "[load]\ngravity_m_s2 = [0.0, 0.0, -9.81]\n\n[surface]",
+            &["material.density_kg_m3", "gravity needs a density"],
+        ),
+        (
+            "[surface]",
+            "[mesh]\nworn = \"worn.obj\"\nmetres_per_uv = 1.0\n\n[surface]",
+            &["mesh", "panels and a mesh", "keep one"],
+        ),
+        (
+            "[surface]",
+            "[[force]]\nnewton = [0.0, 0.0, 1.0]\n\n[surface]",
+            &["force[0]", "side, near_m and within_m"],
+        ),
         (
             "[surface]",
             "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"none.obj\"\n\n[surface]",
@@ -178,7 +219,11 @@ fn seams_loads_and_meshes_that_do_not_fit_are_told() {
         (
             "side = \"q.left\"",
             "within_m = { low = [5.0, 5.0, 5.0], high = [6.0, 6.0, 6.0] }",
-            &["clamp[2].within_m", "no vertex starts in this box", "[2.000000, 1.000000, 0.000000]"],
+            &[
+                "clamp[2].within_m",
+                "no vertex starts in this box",
+                "[2.000000, 1.000000, 0.000000]",
+            ],
         ),
     ]
     .into_iter()
@@ -192,22 +237,34 @@ fn seams_loads_and_meshes_that_do_not_fit_are_told() {
 fn an_obstacle_with_holes_is_told() {
     let folder = Folder::new("holes");
     folder.write("block.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
-    let scene = folder
-        .write("holes.toml", spoilt("[surface]", "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"block.obj\"\n\n[surface]"));
+    let scene = folder.write(
+        "holes.toml",
+        spoilt(
+            "[surface]",
+            "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"block.obj\"\n\n[surface]",
+        ),
+    );
     let out = folder.0.join("out");
     let output = plisse().arg("solve").arg(&scene).arg("-o").arg(&out).output().unwrap();
-    assert_refused(&output, &out, &["holes.toml", "obstacle[0]", "block.obj", "has holes", "close the mesh"]);
+    assert_refused(
+        &output,
+        &out,
+        &["holes.toml", "obstacle[0]", "block.obj", "has holes", "close the mesh"],
+    );
 }
 
 #[test]
 fn levels_that_would_make_too_many_faces_are_refused_before_the_solve() {
     // More than 50,000 faces: six levels make more than 200 million.
-    let fine = SCENE.replace("edge_length_m = 0.1", "edge_length_m = 0.008").replace("levels = 1", "levels = 6");
+    let fine = SCENE
+        .replace("edge_length_m = 0.1", "edge_length_m = 0.008")
+        .replace("levels = 1", "levels = 6");
     refuse("fine.toml", &fine, &["surface.levels", "6 levels", "ask for 4"]);
     let folder = Folder::new("levels-flag");
     let scene = folder.write("fine.toml", &fine);
     let out = folder.0.join("out");
-    let output = plisse().arg("solve").arg(&scene).args(["--levels", "8", "-o"]).arg(&out).output().unwrap();
+    let output =
+        plisse().arg("solve").arg(&scene).args(["--levels", "8", "-o"]).arg(&out).output().unwrap();
     assert_refused(&output, &out, &["--levels", "8 levels", "ask for 4"]);
 }
 
@@ -215,7 +272,8 @@ fn levels_that_would_make_too_many_faces_are_refused_before_the_solve() {
 fn paths_that_are_no_files_are_told() {
     let folder = Folder::new("paths");
     let out = folder.0.join("out");
-    let solve = |scene: &Path| plisse().arg("solve").arg(scene).arg("-o").arg(&out).output().unwrap();
+    let solve =
+        |scene: &Path| plisse().arg("solve").arg(scene).arg("-o").arg(&out).output().unwrap();
     assert_refused(&solve(&folder.0.join("none.toml")), &out, &["none.toml", "spelling"]);
     assert_refused(&solve(&folder.0), &out, &[folder.0.to_str().unwrap(), "directory", "; "]);
     let scene = folder.write("scene.toml", SCENE);
@@ -235,7 +293,8 @@ fn an_output_path_that_is_no_folder_is_told_and_left_alone() {
     }
     assert_eq!(std::fs::read_to_string(file).unwrap(), "keep me");
     assert_eq!(names(&folder.0), ["file", "scene.toml"]);
-    // A folder in the place of an output file is found only at the end; the folder is left as it was.
+    // A folder in the place of an output file is found only at the end; the folder is left as it
+    // was.
     let out = folder.0.join("out");
     std::fs::create_dir_all(out.join("report.json")).unwrap();
     let output = plisse().arg("solve").arg(&scene).arg("-o").arg(&out).output().unwrap();

@@ -1,4 +1,5 @@
-//! `plisse bake` from outside: models, solved folders and scenes to maps; bad input is one sentence.
+//! `plisse bake` from outside: models, solved folders and scenes to maps; bad input is one
+//! sentence.
 
 mod harness;
 
@@ -34,13 +35,30 @@ fn values(path: &Path) -> (u32, Vec<u16>) {
 fn an_own_model_is_baked_frame_by_frame() {
     let folder = Folder::new("bake-frames");
     let out = folder.0.join("maps");
-    let report = baked("sleeve", &out, &["--wavelength", "0.03", "--frames", "3", "--size", "128", "--padding", "4"]);
-    let files =
-        ["height-0000.png", "height-0001.png", "height-0002.png", "normal-0000.png", "normal-0001.png", "normal-0002.png", "report.json"];
+    let report = baked(
+        "sleeve",
+        &out,
+        &["--wavelength", "0.03", "--frames", "3", "--size", "128", "--padding", "4"],
+    );
+    let files = [
+        "height-0000.png",
+        "height-0001.png",
+        "height-0002.png",
+        "normal-0000.png",
+        "normal-0001.png",
+        "normal-0002.png",
+        "report.json",
+    ];
     assert_eq!(names(&out), files);
-    assert_eq!((&report["kind"], &report["clip"], &report["vertices"]), (&"live".into(), &"bend".into(), &500.into()));
+    assert_eq!(
+        (&report["kind"], &report["clip"], &report["vertices"]),
+        (&"live".into(), &"bend".into(), &500.into())
+    );
     let frames = report["frames"].as_array().unwrap();
-    assert_eq!(frames.iter().map(|f| f["time_s"].as_f64().unwrap()).collect::<Vec<_>>(), [0.0, 1.0, 2.0]);
+    assert_eq!(
+        frames.iter().map(|f| f["time_s"].as_f64().unwrap()).collect::<Vec<_>>(),
+        [0.0, 1.0, 2.0]
+    );
     // The sleeve is at rest in its first frame, and bent in its second.
     assert_eq!(frames[0]["height_max_m"], 0.0);
     let scale = report["height_scale_m"].as_f64().unwrap();
@@ -48,16 +66,41 @@ fn an_own_model_is_baked_frame_by_frame() {
     let (width, flat) = values(&out.join("height-0000.png"));
     assert!(width == 128 && flat.iter().all(|&h| h == 32768));
     let (_, bent) = values(&out.join("height-0001.png"));
-    let highest = bent.iter().map(|&h| (f64::from(h) - 32768.0).abs() / 32767.0).fold(0.0, f64::max) * scale;
-    assert!((highest - frames[1]["height_max_m"].as_f64().unwrap()).abs() < 1e-6 && highest > 0.003);
+    let highest =
+        bent.iter().map(|&h| (f64::from(h) - 32768.0).abs() / 32767.0).fold(0.0, f64::max) * scale;
+    assert!(
+        (highest - frames[1]["height_max_m"].as_f64().unwrap()).abs() < 1e-6 && highest > 0.003
+    );
     // Fewer frames into the same folder: the old third one goes.
-    baked("sleeve", &out, &["--wavelength", "0.03", "--frames", "2", "--size", "64", "--map", "normal"]);
+    baked(
+        "sleeve",
+        &out,
+        &["--wavelength", "0.03", "--frames", "2", "--size", "64", "--map", "normal"],
+    );
     assert_eq!(names(&out), ["normal-0000.png", "normal-0001.png", "report.json"]);
     let first = std::fs::read(out.join("normal-0001.png")).unwrap();
     let again = folder.0.join("again");
-    baked("sleeve", &again, &["--wavelength", "0.03", "--time", "2", "--size", "64", "--map", "normal", "--threads", "1"]);
+    baked(
+        "sleeve",
+        &again,
+        &[
+            "--wavelength",
+            "0.03",
+            "--time",
+            "2",
+            "--size",
+            "64",
+            "--map",
+            "normal",
+            "--threads",
+            "1",
+        ],
+    );
     assert_eq!(names(&again), ["normal.png", "report.json"]);
-    assert!(first == std::fs::read(again.join("normal.png")).unwrap(), "the same time, the same bytes");
+    assert!(
+        first == std::fs::read(again.join("normal.png")).unwrap(),
+        "the same time, the same bytes"
+    );
 }
 
 #[test]
@@ -71,11 +114,16 @@ fn a_scene_and_its_solved_folder_give_the_same_maps() {
     assert_eq!((&report["kind"], report["frames"].as_array().unwrap().len()), (&"field".into(), 1));
     assert_eq!(report["frames"][0]["overlapping_texels"], 0);
     let (width, heights) = values(&a.join("height.png"));
-    assert!(width == 256 && heights.iter().any(|&h| h > 40000) && heights.iter().any(|&h| h < 25000));
+    assert!(
+        width == 256 && heights.iter().any(|&h| h > 40000) && heights.iter().any(|&h| h < 25000)
+    );
     baked(&scene, &b, &["--size", "256"]);
     assert_eq!(names(&b), ["height.png", "normal.png", "report.json", "solve"]);
     for name in ["height.png", "normal.png"] {
-        assert!(std::fs::read(a.join(name)).unwrap() == std::fs::read(b.join(name)).unwrap(), "{name}");
+        assert!(
+            std::fs::read(a.join(name)).unwrap() == std::fs::read(b.join(name)).unwrap(),
+            "{name}"
+        );
     }
 }
 
@@ -83,7 +131,9 @@ fn a_scene_and_its_solved_folder_give_the_same_maps() {
 fn bad_input_is_one_sentence() {
     let folder = Folder::new("bake-bad");
     let out = folder.0.join("out");
-    let refused = |input: &str, more: &[&str], needles: &[&str]| assert_refused(&bake(input, &out, more), &out, needles);
+    let refused = |input: &str, more: &[&str], needles: &[&str]| {
+        assert_refused(&bake(input, &out, more), &out, needles)
+    };
     refused("hat", &["--wavelength", "0.1"], &["there is no such file", "sleeve"]);
     refused("nowhere.glb", &["--wavelength", "0.1"], &["nowhere.glb", "spelling"]);
     refused("sleeve", &[], &["--wavelength", "missing"]);
@@ -107,10 +157,12 @@ fn bad_input_is_one_sentence() {
     refused(&here, &[], &["field.json", "another mesh"]);
     folder.write("field.json", field(3));
     refused(&here, &[], &["no texture coordinates", "unwrap"]);
-    std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 0 1\nf 1/1 2/2 3/3\n").unwrap();
+    std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+        .unwrap();
     refused(&here, &[], &["(3.0000, 0.0000)", "unit square"]);
     refused(&here, &["--wavelength", "0.1"], &["--wavelength", "leave it out"]);
-    std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n").unwrap();
+    std::fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+        .unwrap();
     let report = baked(&here, &out, &["--size", "32", "--map", "height"]);
     assert!((report["height_scale_m"].as_f64().unwrap() - 0.1).abs() < 1e-12);
 }
@@ -122,10 +174,13 @@ fn ctrl_c_keeps_the_frames_that_are_done() {
     let folder = Folder::new("bake-int");
     let out = folder.0.join("out");
     let mut command = plisse();
-    command.args(["bake", "sleeve", "--wavelength", "0.03", "--frames", "2000", "--size", "256", "-o"]).arg(&out);
+    command
+        .args(["bake", "sleeve", "--wavelength", "0.03", "--frames", "2000", "--size", "256", "-o"])
+        .arg(&out);
     let mut run = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let begun = std::time::Instant::now();
-    let is_ready = || out.exists() && names(&out).iter().any(|name| name.starts_with(".normal-0003"));
+    let is_ready =
+        || out.exists() && names(&out).iter().any(|name| name.starts_with(".normal-0003"));
     while !is_ready() {
         assert!(run.try_wait().unwrap().is_none() && begun.elapsed().as_secs() < 60);
         std::thread::sleep(std::time::Duration::from_millis(5));

@@ -44,17 +44,32 @@ fn a_pressed_strip_buckles_and_leaves_its_files() {
     let bow = report["displacement_max_m"].as_f64().unwrap();
     assert!((bow - 2.0 * 0.4 / std::f64::consts::PI * 0.05_f64.sqrt()).abs() < 0.1 * bow, "{bow}");
     let shown = String::from_utf8(output.stdout).unwrap();
-    assert!(shown.contains("waves") && shown.contains("published 0.5 waves (Euler 1744)") && !shown.contains("turns"), "{shown}");
+    assert!(
+        shown.contains("waves")
+            && shown.contains("published 0.5 waves (Euler 1744)")
+            && !shown.contains("turns"),
+        "{shown}"
+    );
 
     let finer = folder.0.join("finer");
-    let output =
-        plisse().args(["shell", "--finer", "2", "--start", "flat", "--no-picture"]).arg(&scene).arg("-o").arg(&finer).output().unwrap();
+    let output = plisse()
+        .args(["shell", "--finer", "2", "--start", "flat", "--no-picture"])
+        .arg(&scene)
+        .arg("-o")
+        .arg(&finer)
+        .output()
+        .unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(names(&finer), ["base.obj", "report.json", "shell.glb", "shell.obj"]);
     let fine = json(&finer.join("report.json"));
     assert!(fine["base"].is_null() && fine["vertices"].as_u64() > report["vertices"].as_u64());
     let energy = |report: &serde_json::Value| report["energy_joule"].as_f64().unwrap();
-    assert!((energy(&fine) / energy(&report) - 1.0).abs() < 0.05, "{} {}", energy(&fine), energy(&report));
+    assert!(
+        (energy(&fine) / energy(&report) - 1.0).abs() < 0.05,
+        "{} {}",
+        energy(&fine),
+        energy(&report)
+    );
 }
 
 #[test]
@@ -67,7 +82,8 @@ fn wrinkles_stay_out_of_the_ball() {
     let ball = Obstacle::sphere("ball", Vec3::zeros(), 0.2).unwrap();
     for name in ["base.obj", "wrinkled.obj"] {
         let mesh = obj::read(&out.join(name)).unwrap();
-        let nearest = mesh.positions.iter().map(|p| ball.distance_m(p)).fold(f64::INFINITY, f64::min);
+        let nearest =
+            mesh.positions.iter().map(|p| ball.distance_m(p)).fold(f64::INFINITY, f64::min);
         assert!(nearest > 0.0 && nearest < 4e-3, "{name}: {nearest}");
     }
 }
@@ -84,8 +100,19 @@ fn what_cannot_be_is_refused() {
     refused(STRIP, &["shell", "--finer", "0"], &["--finer", "above 0"]);
     refused(STRIP, &["shell", "--finer", "nan"], &["--finer", "above 0"]);
     // The cloth starts in the middle of the ball; a clamp holds it inside; nothing is below it.
-    refused(&DRAPE.replace("0.2] } }]", "0.02] } }]"), &["solve"], &["faces", "inside obstacle \"ball\"", "move"]);
+    refused(
+        &DRAPE.replace("0.2] } }]", "0.02] } }]"),
+        &["solve"],
+        &["faces", "inside obstacle \"ball\"", "move"],
+    );
     let held = DRAPE.replace("axes = \"xy\"", "axes = \"xyz\", move_m = [0.0, 0.0, -0.1]");
     refused(&held, &["solve"], &["obstacle \"ball\"", "clamp"]);
-    refused(&DRAPE.replace("sphere\", centre_m = [0.0, 0.0, 0.0]", "sphere\", centre_m = [5.0, 0.0, 0.0]"), &["shell"], &["falls"]);
+    refused(
+        &DRAPE.replace(
+            "sphere\", centre_m = [0.0, 0.0, 0.0]",
+            "sphere\", centre_m = [5.0, 0.0, 0.0]",
+        ),
+        &["shell"],
+        &["falls"],
+    );
 }

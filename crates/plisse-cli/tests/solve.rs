@@ -1,4 +1,5 @@
-//! `plisse solve` from outside: the published scenes, their figures and files, and that the same scene gives the same bytes.
+//! `plisse solve` from outside: the published scenes, their figures and files, and that the same
+//! scene gives the same bytes.
 
 mod harness;
 
@@ -14,11 +15,22 @@ const FOIL: &str = "03-sheared-rectangle.toml";
 
 /// Every figure that report.json promises is there and finite.
 fn assert_every_figure(report: &Value) {
-    for key in ["vertices", "faces", "wrinkle_free_faces", "generators", "iterations", "energy_joule", "projected_gradient"] {
+    for key in [
+        "vertices",
+        "faces",
+        "wrinkle_free_faces",
+        "generators",
+        "iterations",
+        "energy_joule",
+        "projected_gradient",
+    ] {
         assert!(report[key].is_number(), "{key}: {}", report[key]);
     }
     assert!(report["periods"].is_array());
-    assert_eq!(report["periods"].as_array().unwrap().len() as u64, report["generators"].as_u64().unwrap());
+    assert_eq!(
+        report["periods"].as_array().unwrap().len() as u64,
+        report["generators"].as_u64().unwrap()
+    );
     for (key, parts) in [
         ("amplitude_m", &["max", "mean"][..]),
         ("wavelength_m", &["min", "median", "max"]),
@@ -32,10 +44,17 @@ fn assert_every_figure(report: &Value) {
     let terms = report["energy_terms"].as_object().unwrap();
     let sum: f64 = terms.values().map(|v| v.as_f64().unwrap()).sum();
     let energy = report["energy_joule"].as_f64().unwrap();
-    assert!(terms.len() == 5 && (sum - energy).abs() < 1e-9 * energy, "{terms:?} is not {energy} J");
+    assert!(
+        terms.len() == 5 && (sum - energy).abs() < 1e-9 * energy,
+        "{terms:?} is not {energy} J"
+    );
     let seconds = |part: &str| report["seconds"][part].as_f64().unwrap();
     let parts = ["base", "field", "phase", "surface"].map(seconds).iter().sum::<f64>();
-    assert!(parts > 0.0 && parts <= seconds("total") * 1.01, "the parts last {parts} s of {} s", seconds("total"));
+    assert!(
+        parts > 0.0 && parts <= seconds("total") * 1.01,
+        "the parts last {parts} s of {} s",
+        seconds("total")
+    );
     for (small, large) in [("min", "median"), ("median", "max")] {
         assert!(report["wavelength_m"][small].as_f64() <= report["wavelength_m"][large].as_f64());
     }
@@ -54,12 +73,21 @@ fn assert_published_is_shown(shown: &str, report: &Value) {
     assert!(!measures.is_empty());
     for measure in measures {
         let name = measure["name"].as_str().unwrap();
-        let is_its_line = |line: &&str| line.trim_start().starts_with(&format!("{name} ")) && line.contains(", published ");
-        let line = shown.lines().find(is_its_line).unwrap_or_else(|| panic!("{name} is not in: {shown}"));
+        let is_its_line = |line: &&str| {
+            line.trim_start().starts_with(&format!("{name} ")) && line.contains(", published ")
+        };
+        let line =
+            shown.lines().find(is_its_line).unwrap_or_else(|| panic!("{name} is not in: {shown}"));
         assert!(line.contains(measure["source"].as_str().unwrap()), "{line}");
-        let numbers: Vec<f64> = line[name.len() + 2..].split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let numbers: Vec<f64> = line[name.len() + 2..]
+            .split_whitespace()
+            .filter_map(|word| word.parse().ok())
+            .collect();
         let near = |a: f64, b: &Value| (a - b.as_f64().unwrap()).abs() <= 2e-3 * a.abs();
-        assert!(near(numbers[0], &measure["value"]) && near(numbers[1], &measure["published"]), "{line}");
+        assert!(
+            near(numbers[0], &measure["value"]) && near(numbers[1], &measure["published"]),
+            "{line}"
+        );
     }
 }
 
@@ -79,7 +107,11 @@ fn the_twisted_cylinder_has_46_waves_and_sound_files() {
     assert_meshes_are_sound(&out, &report);
     assert_glb_is_sound(&out, &report);
     assert_png_is_sound(&out);
-    assert_eq!(waves_around(&out), waves as usize, "the surface itself has other waves than the report");
+    assert_eq!(
+        waves_around(&out),
+        waves as usize,
+        "the surface itself has other waves than the report"
+    );
 }
 
 #[test]
@@ -117,37 +149,60 @@ fn without_v1_the_cylinder_has_far_too_many_waves() {
     solve(&example(CYLINDER), &out, &["--without", "v1", "--levels", "0", "--no-picture"]);
     let waves = json(&out.join("report.json"))["periods"][0].as_i64().unwrap();
     assert!(waves > 150, "{waves} waves");
-    assert_eq!(names(&out), FILES.iter().copied().filter(|name| *name != "picture.png").collect::<Vec<_>>());
+    assert_eq!(
+        names(&out),
+        FILES.iter().copied().filter(|name| *name != "picture.png").collect::<Vec<_>>()
+    );
 }
 
 #[test]
 fn the_cylinders_waves_hardly_depend_on_the_mesh() {
     let folder = Folder::new("meshes");
-    for (edge, vertices, off) in [("0.48", 180, 3), ("0.345", 340, 2), ("0.241", 690, 2), ("0.175", 1300, 2), ("0.125", 2500, 2)] {
-        let scene = folder.write("scene.toml", changed(CYLINDER, &[("edge_length_m", edge), ("seed", "1")]));
+    for (edge, vertices, off) in [
+        ("0.48", 180, 3),
+        ("0.345", 340, 2),
+        ("0.241", 690, 2),
+        ("0.175", 1300, 2),
+        ("0.125", 2500, 2),
+    ] {
+        let scene = folder
+            .write("scene.toml", changed(CYLINDER, &[("edge_length_m", edge), ("seed", "1")]));
         let out = folder.0.join(edge);
         solve(&scene, &out, &["--levels", "0", "--no-picture"]);
         let report = json(&out.join("report.json"));
-        let (waves, count) = (report["periods"][0].as_i64().unwrap(), report["vertices"].as_f64().unwrap());
-        assert!((count / f64::from(vertices) - 1.0).abs() < 0.05, "{count} vertices, not about {vertices}");
+        let (waves, count) =
+            (report["periods"][0].as_i64().unwrap(), report["vertices"].as_f64().unwrap());
+        assert!(
+            (count / f64::from(vertices) - 1.0).abs() < 0.05,
+            "{count} vertices, not about {vertices}"
+        );
         assert!((waves - 46).abs() <= off, "{count} vertices: {waves} waves");
     }
 }
 
-/// base.obj and wrinkled.obj read back with as many vertices and faces as the report says, and something between them.
+/// base.obj and wrinkled.obj read back with as many vertices and faces as the report says, and
+/// something between them.
 fn assert_meshes_are_sound(out: &Path, report: &Value) {
     let base = obj::read(&out.join("base.obj")).unwrap();
     let fine = obj::read(&out.join("wrinkled.obj")).unwrap();
     let count = |n: usize| Value::from(n);
-    assert_eq!([count(base.positions.len()), count(base.faces.len())], [report["vertices"].clone(), report["faces"].clone()]);
+    assert_eq!(
+        [count(base.positions.len()), count(base.faces.len())],
+        [report["vertices"].clone(), report["faces"].clone()]
+    );
     let surface = &report["surface"];
-    assert_eq!([count(fine.positions.len()), count(fine.faces.len())], [surface["vertices"].clone(), surface["faces"].clone()]);
+    assert_eq!(
+        [count(fine.positions.len()), count(fine.faces.len())],
+        [surface["vertices"].clone(), surface["faces"].clone()]
+    );
     let share = 4_usize.pow(surface["levels"].as_u64().unwrap() as u32);
     assert_eq!(fine.faces.len(), base.faces.len() * share);
     for mesh in [&base, &fine] {
         assert!(mesh.warnings.is_empty() && mesh.cuts.is_empty(), "{:?}", mesh.warnings);
         assert_eq!(mesh.texture_faces.as_ref().unwrap().len(), mesh.faces.len());
-        assert!(mesh.texture_coordinates.iter().flat_map(|t| t.iter()).all(|x| (0.0..=1.0).contains(x)));
+        assert!(
+            mesh.texture_coordinates.iter().flat_map(|t| t.iter()).all(|x| (0.0..=1.0).contains(x))
+        );
     }
     // Wrinkles take little area away from the base surface's, and add more than none.
     let area = |mesh: &obj::Obj| -> f64 {
@@ -155,21 +210,31 @@ fn assert_meshes_are_sound(out: &Path, report: &Value) {
         mesh.faces.iter().map(|&f| corner(f, 1).cross(&corner(f, 2)).norm() / 2.0).sum()
     };
     let ratio = area(&fine) / area(&base);
-    assert!((1.0..1.2).contains(&ratio), "the wrinkled surface has {ratio} times the base surface's area");
+    assert!(
+        (1.0..1.2).contains(&ratio),
+        "the wrinkled surface has {ratio} times the base surface's area"
+    );
 }
 
-/// Waves of wrinkled.obj of the cylinder, counted at half its height: how often the radius rises through its mean.
+/// Waves of wrinkled.obj of the cylinder, counted at half its height: how often the radius rises
+/// through its mean.
 fn waves_around(out: &Path) -> usize {
     let fine = obj::read(&out.join("wrinkled.obj")).unwrap();
     let height = fine.positions.iter().map(|p| p.z).fold(0.0, f64::max);
-    let mut ring: Vec<[f64; 2]> =
-        fine.positions.iter().filter(|p| (p.z - height / 2.0).abs() < 0.008).map(|p| [p.y.atan2(p.x), p.xy().norm()]).collect();
+    let mut ring: Vec<[f64; 2]> = fine
+        .positions
+        .iter()
+        .filter(|p| (p.z - height / 2.0).abs() < 0.008)
+        .map(|p| [p.y.atan2(p.x), p.xy().norm()])
+        .collect();
     assert!(ring.len() > 300, "{} vertices are too few to count by", ring.len());
     ring.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mean = ring.iter().map(|r| r[1]).sum::<f64>() / ring.len() as f64;
     let swing = ring.iter().map(|r| (r[1] - mean).abs()).fold(0.0, f64::max);
-    // Only what goes a third of the way out counts, so that no jitter on the mean is taken for a wave.
-    let sides: Vec<bool> = ring.iter().filter(|r| (r[1] - mean).abs() > swing / 3.0).map(|r| r[1] > mean).collect();
+    // Only what goes a third of the way out counts, so that no jitter on the mean is taken for a
+    // wave.
+    let sides: Vec<bool> =
+        ring.iter().filter(|r| (r[1] - mean).abs() > swing / 3.0).map(|r| r[1] > mean).collect();
     (0..sides.len()).filter(|&k| sides[k] && !sides[(k + sides.len() - 1) % sides.len()]).count()
 }
 
@@ -195,22 +260,36 @@ fn assert_glb_is_sound(out: &Path, report: &Value) {
     let primitive = &document["meshes"][0]["primitives"][0];
     let accessor = |n: &Value| &document["accessors"][n.as_u64().unwrap() as usize];
     let start = |a: &Value| bin + 8 + views[a["bufferView"].as_u64().unwrap() as usize][0];
-    let (positions, indices) = (accessor(&primitive["attributes"]["POSITION"]), accessor(&primitive["indices"]));
-    assert_eq!(indices["count"].as_u64().unwrap(), 3 * report["surface"]["faces"].as_u64().unwrap());
+    let (positions, indices) =
+        (accessor(&primitive["attributes"]["POSITION"]), accessor(&primitive["indices"]));
+    assert_eq!(
+        indices["count"].as_u64().unwrap(),
+        3 * report["surface"]["faces"].as_u64().unwrap()
+    );
     let count = positions["count"].as_u64().unwrap();
     assert!(count >= report["surface"]["vertices"].as_u64().unwrap());
-    let largest = (0..indices["count"].as_u64().unwrap() as usize).map(|i| number(start(indices) + 4 * i)).max().unwrap();
+    let largest = (0..indices["count"].as_u64().unwrap() as usize)
+        .map(|i| number(start(indices) + 4 * i))
+        .max()
+        .unwrap();
     assert_eq!(largest as u64, count - 1);
     let float = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     for axis in 0..3 {
-        let values = (0..count as usize).map(|v| f64::from(float(start(positions) + 12 * v + 4 * axis)));
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        let near = |said: &Value, x: f64| (said[axis].as_f64().unwrap() - x).abs() <= 1e-6 * x.abs();
-        assert!(near(&positions["min"], low) && near(&positions["max"], high), "axis {axis}: {low} to {high}");
+        let values =
+            (0..count as usize).map(|v| f64::from(float(start(positions) + 12 * v + 4 * axis)));
+        let (low, high) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let near =
+            |said: &Value, x: f64| (said[axis].as_f64().unwrap() - x).abs() <= 1e-6 * x.abs();
+        assert!(
+            near(&positions["min"], low) && near(&positions["max"], high),
+            "axis {axis}: {low} to {high}"
+        );
     }
 }
 
-/// The file is a chain of chunks to its last byte, 1600 × 1200 pixels, with more in it than one colour.
+/// The file is a chain of chunks to its last byte, 1600 × 1200 pixels, with more in it than one
+/// colour.
 fn assert_png_is_sound(out: &Path) {
     let bytes = std::fs::read(out.join("picture.png")).unwrap();
     let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()) as usize;
@@ -230,7 +309,11 @@ fn assert_png_is_sound(out: &Path) {
 fn the_same_scene_gives_the_same_bytes_with_any_number_of_threads_and_in_a_used_folder() {
     let folder = Folder::new("same");
     let bytes = |out: &Path| -> Vec<Vec<u8>> {
-        FILES.iter().filter(|name| **name != "report.json").map(|name| std::fs::read(out.join(name)).unwrap()).collect()
+        FILES
+            .iter()
+            .filter(|name| **name != "report.json")
+            .map(|name| std::fs::read(out.join(name)).unwrap())
+            .collect()
     };
     let figures = |out: &Path| -> Value {
         let mut report = whole_report(out);
@@ -240,10 +323,13 @@ fn the_same_scene_gives_the_same_bytes_with_any_number_of_threads_and_in_a_used_
     let [one, two] = ["one", "two"].map(|name| folder.0.join(name));
     let scene = folder.write("scene.toml", changed(CYLINDER, &[("edge_length_m", "0.3")]));
     // A run of another seed leaves other files; then the real one replaces all of them.
-    let other = folder.write("other.toml", changed(CYLINDER, &[("edge_length_m", "0.3"), ("seed", "5")]));
+    let other =
+        folder.write("other.toml", changed(CYLINDER, &[("edge_length_m", "0.3"), ("seed", "5")]));
     solve(&scene, &one, &["--threads", "1", "--levels", "1"]);
     solve(&other, &two, &["--threads", "2", "--levels", "1"]);
-    for ((a, b), name) in bytes(&one).iter().zip(bytes(&two)).zip(FILES.iter().filter(|name| **name != "report.json")) {
+    for ((a, b), name) in
+        bytes(&one).iter().zip(bytes(&two)).zip(FILES.iter().filter(|name| **name != "report.json"))
+    {
         assert!(*a != b, "{name} does not depend on the scene");
     }
     solve(&scene, &two, &["--threads", "2", "--levels", "1"]);
@@ -283,8 +369,22 @@ fn every_help_shows_an_example_and_units() {
     };
     for (arguments, needles) in [
         (&["--help"][..], &["plisse solve examples/", "(m)", "(Pa)", "wrinkle"][..]),
-        (&["solve", "--help"], &["plisse solve examples/", "(m)", "(Pa)", "degrees", "docs/scene-format.md", "--levels", "Ctrl-C"]),
-        (&["wrinkle", "--help"], &["plisse wrinkle --rest", "(Pa)", "(m)", "metres", "no unit", "--young"]),
+        (
+            &["solve", "--help"],
+            &[
+                "plisse solve examples/",
+                "(m)",
+                "(Pa)",
+                "degrees",
+                "docs/scene-format.md",
+                "--levels",
+                "Ctrl-C",
+            ],
+        ),
+        (
+            &["wrinkle", "--help"],
+            &["plisse wrinkle --rest", "(Pa)", "(m)", "metres", "no unit", "--young"],
+        ),
     ] {
         let text = help(arguments);
         assert!(text.contains("Example:"), "{text}");

@@ -1,5 +1,5 @@
-//! Runs that do not come to their end: Ctrl-C keeps the best state so far, a killed run harms nothing, and neither leaves
-//! anything half-written under a file's name.
+//! Runs that do not come to their end: Ctrl-C keeps the best state so far, a killed run harms
+//! nothing, and neither leaves anything half-written under a file's name.
 #![cfg(unix)]
 
 mod harness;
@@ -43,8 +43,18 @@ impl Run {
 
     /// Sends the signal to a run that still goes on.
     fn signal(&mut self, signal: &str) {
-        assert!(self.0.try_wait().unwrap().is_none(), "the run ended before SIG{signal}; make it longer");
-        assert!(Command::new("kill").arg(format!("-{signal}")).arg(self.0.id().to_string()).status().unwrap().success());
+        assert!(
+            self.0.try_wait().unwrap().is_none(),
+            "the run ended before SIG{signal}; make it longer"
+        );
+        assert!(
+            Command::new("kill")
+                .arg(format!("-{signal}"))
+                .arg(self.0.id().to_string())
+                .status()
+                .unwrap()
+                .success()
+        );
     }
 
     /// Exit code (none if a signal ended it) and what stood on standard error.
@@ -81,7 +91,10 @@ fn short_scene(folder: &Folder) -> PathBuf {
 }
 
 fn contents(out: &Path) -> Vec<(String, Vec<u8>)> {
-    names(out).into_iter().map(|name| (name.clone(), std::fs::read(out.join(name)).unwrap())).collect()
+    names(out)
+        .into_iter()
+        .map(|name| (name.clone(), std::fs::read(out.join(name)).unwrap()))
+        .collect()
 }
 
 fn notes(report: &Value) -> String {
@@ -92,7 +105,11 @@ fn notes(report: &Value) -> String {
 fn assert_field_is_whole(out: &Path, report: &Value) {
     let field = json(&out.join("field.json"));
     for (list, count) in [("amplitude", "vertices"), ("phase", "faces")] {
-        assert_eq!(field[list].as_array().unwrap().len() as u64, report[count].as_u64().unwrap(), "{list}");
+        assert_eq!(
+            field[list].as_array().unwrap().len() as u64,
+            report[count].as_u64().unwrap(),
+            "{list}"
+        );
     }
 }
 
@@ -111,7 +128,11 @@ fn ctrl_c_in_the_base_solve_keeps_the_best_state() {
         assert!(text.contains("stopping") && text.contains("best state so far"), "{text}");
         let report = whole_report(&out);
         assert_eq!(report["base"]["ending"], "interrupted");
-        assert!(notes(&report).contains("interrupted: this is the best state so far"), "{}", notes(&report));
+        assert!(
+            notes(&report).contains("interrupted: this is the best state so far"),
+            "{}",
+            notes(&report)
+        );
         assert_field_is_whole(&out, &report);
         let fine = plisse::io::obj::read(&out.join("wrinkled.obj")).unwrap();
         assert_eq!(fine.faces.len() as u64, report["surface"]["faces"].as_u64().unwrap());
@@ -126,7 +147,16 @@ fn ctrl_c_in_the_field_solve_keeps_the_best_state() {
     let clamp = folder.write("clamp.txt", (0..=80).map(|v| format!("{v}\n")).collect::<String>());
     let out = folder.0.join("out");
     let mut command = plisse();
-    command.arg("wrinkle").arg("--rest").arg(rest).arg("--pose").arg(pose).arg("--clamp").arg(clamp).arg("-o").arg(&out);
+    command
+        .arg("wrinkle")
+        .arg("--rest")
+        .arg(rest)
+        .arg("--pose")
+        .arg(pose)
+        .arg("--clamp")
+        .arg(clamp)
+        .arg("-o")
+        .arg(&out);
     command.args(["--young", "1e6", "--poisson", "0.3", "--thickness", "1e-3", "--levels", "0"]);
     let mut run = Run::start(&mut command);
     run.wait_until("output folder", || out.exists());
@@ -137,7 +167,11 @@ fn ctrl_c_in_the_field_solve_keeps_the_best_state() {
     let report = whole_report(&out);
     assert_eq!((&report["ending"], &report["base"]), (&Value::from("interrupted"), &Value::Null));
     assert!(report["iterations"].as_u64().unwrap() > 0, "it stopped before it began");
-    assert!(notes(&report).contains("interrupted: this is the best state so far"), "{}", notes(&report));
+    assert!(
+        notes(&report).contains("interrupted: this is the best state so far"),
+        "{}",
+        notes(&report)
+    );
     assert_field_is_whole(&out, &report);
 }
 
@@ -146,7 +180,9 @@ fn ctrl_c_while_files_are_written_still_writes_all_of_them() {
     let folder = Folder::new("int-files");
     let out = folder.0.join("out");
     let mut run = Run::solve(&example(CYLINDER), &out, &["--levels", "4"]);
-    let is_written = |name: &str| out.exists() && names(&out).iter().any(|n| n.starts_with(&format!(".{name}.")));
+    let is_written = |name: &str| {
+        out.exists() && names(&out).iter().any(|n| n.starts_with(&format!(".{name}.")))
+    };
     run.wait_until("part of wrinkled.obj", || is_written("wrinkled.obj"));
     assert!(!out.join("picture.png").exists(), "no file appears before all are ready");
     run.signal("INT");
@@ -154,7 +190,11 @@ fn ctrl_c_while_files_are_written_still_writes_all_of_them() {
     assert_eq!(code, Some(130), "{text}");
     let report = whole_report(&out);
     assert_eq!(report["ending"], "converged");
-    assert!(notes(&report).contains("nothing is missing"), "a converged field is no mere state so far: {}", notes(&report));
+    assert!(
+        notes(&report).contains("nothing is missing"),
+        "a converged field is no mere state so far: {}",
+        notes(&report)
+    );
     assert_eq!(report["periods"][0], 46);
 }
 
@@ -207,12 +247,19 @@ fn a_run_killed_while_it_writes_leaves_parts_that_the_next_run_removes() {
     solve(&short, &out, &["--levels", "0"]);
     let before = contents(&out);
     let mut run = Run::solve(&example(CYLINDER), &out, &["--levels", "4", "--no-picture"]);
-    run.wait_until("part of wrinkled.obj", || names(&out).iter().any(|n| n.starts_with(".wrinkled.obj.")));
+    run.wait_until("part of wrinkled.obj", || {
+        names(&out).iter().any(|n| n.starts_with(".wrinkled.obj."))
+    });
     run.signal("KILL");
     assert_eq!(run.end(PATIENCE).0, None);
-    let (parts, whole): (Vec<_>, Vec<_>) = contents(&out).into_iter().partition(|(name, _)| name.starts_with('.'));
+    let (parts, whole): (Vec<_>, Vec<_>) =
+        contents(&out).into_iter().partition(|(name, _)| name.starts_with('.'));
     assert!(whole == before, "{:?}", names(&out));
-    assert!(parts.iter().any(|(name, _)| name.starts_with(".wrinkled.obj.") && name.ends_with(".part")), "{:?}", names(&out));
+    assert!(
+        parts.iter().any(|(name, _)| name.starts_with(".wrinkled.obj.") && name.ends_with(".part")),
+        "{:?}",
+        names(&out)
+    );
     solve(&example(CYLINDER), &out, &["--levels", "0"]);
     assert_eq!(names(&out), FILES, "the parts are gone");
     assert_eq!(whole_report(&out)["vertices"], 683);

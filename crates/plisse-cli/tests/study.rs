@@ -1,4 +1,5 @@
-//! `plisse study` from outside: it writes its files, and refuses what it cannot do before anything long begins.
+//! `plisse study` from outside: it writes its files, and refuses what it cannot do before anything
+//! long begins.
 
 mod harness;
 
@@ -18,7 +19,11 @@ fn a_quick_study_writes_text_data_and_pictures() {
     let data = json(&out.join("ablation.json"));
     assert_eq!(data["complete"], true);
     let rows = data["tables"][0]["rows"].as_array().unwrap();
-    let waves = |left_out: &str| rows.iter().find(|row| row["left out"] == left_out).unwrap()["waves before rounding"].as_f64().unwrap();
+    let waves = |left_out: &str| {
+        rows.iter().find(|row| row["left out"] == left_out).unwrap()["waves before rounding"]
+            .as_f64()
+            .unwrap()
+    };
     assert!((38.0..50.0).contains(&waves("nothing")), "{}", waves("nothing"));
     assert!(waves("v1") > 180.0, "{}", waves("v1"));
     let text = std::fs::read_to_string(out.join("ablation.md")).unwrap();

@@ -1,4 +1,5 @@
-//! `plisse wrinkle` from outside: what it writes, and that bad input gives one sentence, exit code 2 and no output.
+//! `plisse wrinkle` from outside: what it writes, and that bad input gives one sentence, exit code
+//! 2 and no output.
 
 mod harness;
 
@@ -31,7 +32,9 @@ fn every_file_is_written_and_the_report_is_whole() {
         let report = whole_report(&out);
         assert_eq!(report["vertices"], 121);
         assert_eq!(report["faces"], 200);
-        for key in ["wrinkle_free_faces", "generators", "iterations", "energy_joule", "projected_gradient"] {
+        for key in
+            ["wrinkle_free_faces", "generators", "iterations", "energy_joule", "projected_gradient"]
+        {
             assert!(report[key].is_number(), "{key}");
         }
         for (key, parts) in [
@@ -44,10 +47,14 @@ fn every_file_is_written_and_the_report_is_whole() {
             }
         }
         assert!(report["amplitude_m"]["max"].as_f64().unwrap() > 1e-4);
-        let field: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("field.json")).unwrap()).unwrap();
+        let field: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(out.join("field.json")).unwrap()).unwrap();
         assert_eq!(field["amplitude"].as_array().unwrap().len(), 121);
         assert_eq!(field["phase"].as_array().unwrap().len(), 200);
-        assert_eq!(field["edges"].as_array().unwrap().len(), field["omega"].as_array().unwrap().len());
+        assert_eq!(
+            field["edges"].as_array().unwrap().len(),
+            field["omega"].as_array().unwrap().len()
+        );
         let shown = String::from_utf8_lossy(&output.stdout);
         assert!(shown.contains("amplitude") && shown.contains("wavelength"), "{shown}");
     }
@@ -62,7 +69,11 @@ fn results_do_not_depend_on_the_number_of_threads() {
         .iter()
         .map(|threads| {
             let out = folder.0.join(format!("out-{threads}"));
-            assert!(wrinkle(&rest, &pose, &out, &["--threads", threads, "--levels", "2"]).status.success());
+            assert!(
+                wrinkle(&rest, &pose, &out, &["--threads", threads, "--levels", "2"])
+                    .status
+                    .success()
+            );
             ["base.obj", "wrinkled.obj", "wrinkled.glb", "field.json", "picture.png"]
                 .iter()
                 .map(|name| std::fs::read(out.join(name)).unwrap())
@@ -89,7 +100,11 @@ fn bad_files_are_told_with_the_place_and_the_mend() {
     let good = sheet(3, 1.0, false);
     let line = |from: &str, to: &str| good.replacen(from, to, 1);
 
-    assert_refused(&wrinkle(&folder.0.join("none.obj"), &pose, &out, &[]), &out, &["none.obj", "check the path"]);
+    assert_refused(
+        &wrinkle(&folder.0.join("none.obj"), &pose, &out, &[]),
+        &out,
+        &["none.obj", "check the path"],
+    );
     bad_rest("empty.obj", "", &["empty"]);
     bad_pose("nan.obj", &line("v 0 0 0", "v 0 NaN 0"), &["line 1"]);
     bad_pose("infinite.obj", &line("v 0 0 0", "v 0 1e999 0"), &["line 1"]);
@@ -97,7 +112,11 @@ fn bad_files_are_told_with_the_place_and_the_mend() {
     bad_pose("count.obj", &line("f 1 2 6\n", ""), &["17", "triangles"]);
     bad_pose("twice.obj", &line("f 1 2 6", "f 1 2 2"), &["face 0", "twice"]);
     bad_pose("flipped.obj", &line("f 1 2 6", "f 2 1 6"), &["disagree"]);
-    bad_pose("three.obj", &line("f 1 6 5", "f 1 6 11").replace("f 6 7 11", "f 6 1 7"), &["shared by 3 faces", "split"]);
+    bad_pose(
+        "three.obj",
+        &line("f 1 6 5", "f 1 6 11").replace("f 6 7 11", "f 6 1 7"),
+        &["shared by 3 faces", "split"],
+    );
     bad_pose("isolated.obj", &format!("v 5 5 5\n{}", sheet_shifted(3)), &["vertex 0", "isolated"]);
     // Zero area: a face whose three corners lie on the lower edge.
     bad_rest("area.obj", &line("f 1 2 6", "f 1 2 3"), &["face 0"]);
@@ -110,7 +129,10 @@ fn sheet_shifted(n: usize) -> String {
         .lines()
         .map(|line| match line.strip_prefix("f ") {
             Some(face) => {
-                let shifted: Vec<String> = face.split(' ').map(|i| (i.parse::<usize>().unwrap() + 1).to_string()).collect();
+                let shifted: Vec<String> = face
+                    .split(' ')
+                    .map(|i| (i.parse::<usize>().unwrap() + 1).to_string())
+                    .collect();
                 format!("f {}\n", shifted.join(" "))
             }
             None => format!("{line}\n"),
@@ -136,12 +158,23 @@ fn bad_flags_are_told() {
         assert_refused(&output, &out, needles);
     }
     // Two faces stay under the limit even after all levels that can be asked for.
-    let (rest, pose) = (folder.write("rest-2.obj", sheet(1, 1.0, false)), folder.write("pose-2.obj", sheet(1, 0.9, false)));
+    let (rest, pose) = (
+        folder.write("rest-2.obj", sheet(1, 1.0, false)),
+        folder.write("pose-2.obj", sheet(1, 0.9, false)),
+    );
     assert!(wrinkle(&rest, &pose, &out, &["--levels", "8", "--no-picture"]).status.success());
     std::fs::remove_dir_all(&out).unwrap();
     let clamp = folder.write("clamp.txt", "0\n1\n99\n");
-    assert_refused(&wrinkle(&rest, &pose, &out, &["--clamp", clamp.to_str().unwrap()]), &out, &["clamp.txt", "line 3", "99"]);
-    assert_refused(&wrinkle(&rest, &pose, &out, &["--clamp", "nowhere.txt"]), &out, &["nowhere.txt"]);
+    assert_refused(
+        &wrinkle(&rest, &pose, &out, &["--clamp", clamp.to_str().unwrap()]),
+        &out,
+        &["clamp.txt", "line 3", "99"],
+    );
+    assert_refused(
+        &wrinkle(&rest, &pose, &out, &["--clamp", "nowhere.txt"]),
+        &out,
+        &["nowhere.txt"],
+    );
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Characters as the stages' buffers have them: one after the other, so that all are done in one pass.
+//! Characters as the stages' buffers have them: one after the other, so that all are done in one
+//! pass.
 
 use bytemuck::{Pod, Zeroable};
 use plisse::{Error, Result};
@@ -47,7 +48,8 @@ pub(crate) struct Part {
     pub(crate) faces: [usize; 2],
 }
 
-/// All characters' arrays. Skinned vertices are the unified ones of all characters, then the draw ones of all.
+/// All characters' arrays. Skinned vertices are the unified ones of all characters, then the draw
+/// ones of all.
 #[derive(Debug, Default)]
 pub(crate) struct Arrays {
     pub(crate) parts: Vec<Part>,
@@ -72,11 +74,17 @@ impl Arrays {
     /// Lines the `characters` up.
     pub(crate) fn new(characters: &[Character<'_>]) -> Result<Self> {
         let few = |set: &Vertices| set.weights.iter().all(|w| w[4..].iter().all(|&x| x == 0.0));
-        let groups = if characters.iter().all(|c| few(&c.model.draw) && few(&c.unified.vertices)) { 1 } else { INFLUENCES / 4 };
+        let groups = if characters.iter().all(|c| few(&c.model.draw) && few(&c.unified.vertices)) {
+            1
+        } else {
+            INFLUENCES / 4
+        };
         let mut arrays = Self { groups, shift_starts: vec![0], starts: vec![0], ..Self::default() };
         for character in characters {
             let first = arrays.rest.len();
-            arrays.push_vertices(&character.unified.vertices, |v| *character.wavelength_m.get(v).unwrap_or(&character.wavelength_m[0]))?;
+            arrays.push_vertices(&character.unified.vertices, |v| {
+                *character.wavelength_m.get(v).unwrap_or(&character.wavelength_m[0])
+            })?;
             let ring = arrays.neighbours.len() as u32;
             arrays.starts.extend(character.unified.starts[1..].iter().map(|s| ring + s));
             arrays.neighbours.extend(character.unified.neighbours.iter().map(|n| first as u32 + n));
@@ -97,7 +105,9 @@ impl Arrays {
             arrays.push_vertices(&character.model.draw, |_| 0.0)?;
             arrays.corners.extend(character.model.faces.iter().flatten().map(|v| first + v));
             let unified = arrays.parts[c].unified[0] as u32;
-            arrays.vertex_of_draw.extend(character.unified.vertex_of_draw.iter().map(|v| unified + v));
+            arrays
+                .vertex_of_draw
+                .extend(character.unified.vertex_of_draw.iter().map(|v| unified + v));
             let uv = |v: usize| character.model.uvs.get(v).map_or([0.0; 2], |t| [t.x, t.y]);
             arrays.uvs.extend((0..character.model.draw.positions.len()).map(uv));
             arrays.parts[c].faces = [face, arrays.corners.len() / 3];
@@ -110,13 +120,22 @@ impl Arrays {
     fn push_vertices(&mut self, set: &Vertices, wavelength_m: impl Fn(usize) -> f32) -> Result<()> {
         for v in 0..set.positions.len() {
             let (p, n) = (set.positions[v], set.normals[v]);
-            self.rest.push(Placed { position: p.into(), wavelength_m: wavelength_m(v), normal: n.into(), unused: 0.0 });
+            self.rest.push(Placed {
+                position: p.into(),
+                wavelength_m: wavelength_m(v),
+                normal: n.into(),
+                unused: 0.0,
+            });
             for group in 0..self.groups {
                 let mut entries = [0u16; 4];
                 for k in 0..4 {
                     let entry = self.palette_count + usize::from(set.joints[v][4 * group + k]);
                     entries[k] = u16::try_from(entry).map_err(|_| {
-                        Error::numeric("GPU", "all characters together have more than 65,536 joints; draw fewer of them in one pass")
+                        Error::numeric(
+                            "GPU",
+                            "all characters together have more than 65,536 \
+                            joints; draw fewer of them in one pass",
+                        )
                     })?;
                 }
                 self.joints.push(entries);
@@ -126,7 +145,12 @@ impl Arrays {
                 let normal = morph.normals.get(v).copied().unwrap_or_else(Vec3::zeros);
                 if morph.positions[v] != Vec3::zeros() || normal != Vec3::zeros() {
                     let target = (self.target_count + t) as u32;
-                    self.shifts.push(Shift { position: morph.positions[v].into(), target, normal: normal.into(), unused: 0.0 });
+                    self.shifts.push(Shift {
+                        position: morph.positions[v].into(),
+                        target,
+                        normal: normal.into(),
+                        unused: 0.0,
+                    });
                 }
             }
             self.shift_starts.push(self.shifts.len() as u32);

@@ -16,9 +16,12 @@ impl Average {
     /// For the pictures of `painter`.
     pub fn new(gpu: &Gpu, painter: &Painter) -> Self {
         let source = wgpu::ShaderSource::Wgsl(include_str!("average.wgsl").into());
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("average"), source });
+        let module = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("average"), source });
         let constants = [("side", painter.samples as f64)];
-        let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+        let options =
+            wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("average"),
             layout: None,
@@ -44,7 +47,10 @@ impl Average {
         let samples = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("average"),
             layout: &pipeline.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
         });
         let [width, height] = painter.size.map(|s| s as u32);
         let picture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -54,13 +60,16 @@ impl Average {
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: SHOWN,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
             view_formats: &[],
         });
         Self { pipeline, samples, picture: picture.create_view(&Default::default()) }
     }
 
-    /// The picture that the painter drew last: sRGB numbers, opaque, in a texture that the next call draws over.
+    /// The picture that the painter drew last: sRGB numbers, opaque, in a texture that the next
+    /// call draws over.
     pub fn picture(&self, gpu: &Gpu) -> &wgpu::TextureView {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -69,7 +78,10 @@ impl Average {
                 view: &self.picture,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             ..Default::default()
         });
@@ -116,14 +128,28 @@ mod tests {
         let painter = Painter::new(&gpu, size, SAMPLES, &[&texture]).unwrap();
         let faces = Faces::new(&gpu, &[places.map(corner)]).unwrap();
         let camera = Camera::fit(places.iter(), 0.2, 0.1, size[0] as f32 / size[1] as f32);
-        let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: false };
+        let look = Look {
+            profile: &profile,
+            texture: &texture,
+            colour: Vec3::repeat(1.0),
+            parallax: false,
+        };
         painter.draw_faces(&gpu, &faces, 0, &camera, &look).unwrap();
         let read = painter.read(&gpu).unwrap();
         let average = Average::new(&gpu, &painter);
         let texture = average.picture(&gpu).texture();
-        let buffer =
-            gpu.buffer("read", &vec![0u8; 4 * size[0] * size[1]], wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST).unwrap();
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size[0] as u32), rows_per_image: None };
+        let buffer = gpu
+            .buffer(
+                "read",
+                &vec![0u8; 4 * size[0] * size[1]],
+                wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            )
+            .unwrap();
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(4 * size[0] as u32),
+            rows_per_image: None,
+        };
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let into = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
         encoder.copy_texture_to_buffer(texture.as_image_copy(), into, texture.size());
@@ -131,7 +157,10 @@ mod tests {
         let stays: Vec<u8> = gpu.map(&buffer).unwrap();
         assert!(read.covered > 200, "{} pixels are covered", read.covered);
         for (i, (a, b)) in stays.chunks(4).zip(read.image.pixels.chunks(3)).enumerate() {
-            assert!((0..3).all(|c| a[c].abs_diff(b[c]) <= 1) && a[3] == 255, "pixel {i}: {a:?} {b:?}");
+            assert!(
+                (0..3).all(|c| a[c].abs_diff(b[c]) <= 1) && a[3] == 255,
+                "pixel {i}: {a:?} {b:?}"
+            );
         }
     }
 }

@@ -19,25 +19,35 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// The best adapter there is: Vulkan, Metal or Direct3D 12, else OpenGL. `WGPU_BACKEND` and `WGPU_ADAPTER_NAME` choose among several.
+    /// The best adapter there is: Vulkan, Metal or Direct3D 12, else OpenGL. `WGPU_BACKEND` and
+    /// `WGPU_ADAPTER_NAME` choose among several.
     ///
     /// # Errors
     /// [`Error::Numeric`] if there is none.
     pub fn new() -> Result<Self> {
-        let found = [wgpu::Backends::PRIMARY, wgpu::Backends::GL].into_iter().find_map(|backends| {
-            // One after the other: looking for OpenGL where it is not needed makes some drivers talk.
-            let usual = wgpu::InstanceDescriptor { backends, ..wgpu::InstanceDescriptor::new_without_display_handle() };
-            let instance = wgpu::Instance::new(usual.with_env());
-            let options = wgpu::RequestAdapterOptions { power_preference: wgpu::PowerPreference::HighPerformance, ..Default::default() };
-            pollster::block_on(async {
-                match wgpu::util::initialize_adapter_from_env(&instance, None).await {
-                    Ok(adapter) => Some(adapter),
-                    Err(_) => instance.request_adapter(&options).await.ok(),
-                }
-            })
-        });
+        let found =
+            [wgpu::Backends::PRIMARY, wgpu::Backends::GL].into_iter().find_map(|backends| {
+                // One after the other: looking for OpenGL where it is not needed makes some drivers
+                // talk.
+                let usual = wgpu::InstanceDescriptor {
+                    backends,
+                    ..wgpu::InstanceDescriptor::new_without_display_handle()
+                };
+                let instance = wgpu::Instance::new(usual.with_env());
+                let options = wgpu::RequestAdapterOptions {
+                    power_preference: wgpu::PowerPreference::HighPerformance,
+                    ..Default::default()
+                };
+                pollster::block_on(async {
+                    match wgpu::util::initialize_adapter_from_env(&instance, None).await {
+                        Ok(adapter) => Some(adapter),
+                        Err(_) => instance.request_adapter(&options).await.ok(),
+                    }
+                })
+            });
         let adapter = found.ok_or_else(|| {
-            let mend = "install a Vulkan driver (on Debian and Ubuntu: apt-get install mesa-vulkan-drivers) or add --cpu";
+            let mend = "install a Vulkan driver (on Debian and Ubuntu: apt-get install \
+                mesa-vulkan-drivers) or add --cpu";
             Error::numeric("GPU", format!("no adapter was found; {mend}"))
         })?;
         Self::from_adapter(&adapter)
@@ -52,8 +62,13 @@ impl Gpu {
             required_limits: adapter.limits(),
             ..Default::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|e| Error::numeric("GPU", format!("the adapter gives no device ({e}); update its driver or add --cpu")))?;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
+                Error::numeric(
+                    "GPU",
+                    format!("the adapter gives no device ({e}); update its driver or add --cpu"),
+                )
+            })?;
         let info = adapter.get_info();
         let name = format!("{} ({:?})", info.name, info.backend);
         Ok(Self { has_timestamps: features.contains(wanted), ..Self::shared(device, queue, name) })
@@ -92,7 +107,10 @@ impl Gpu {
             None => Ok(()),
             Some(text) => {
                 let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-                Err(Error::numeric("GPU", format!("{line}; try a smaller model or picture, or add --cpu")))
+                Err(Error::numeric(
+                    "GPU",
+                    format!("{line}; try a smaller model or picture, or add --cpu"),
+                ))
             }
         }
     }
@@ -107,16 +125,29 @@ impl Gpu {
     }
 
     /// A buffer that holds `data`, one element of zeros if that is empty (no buffer may be).
-    pub(crate) fn buffer<T: Pod>(&self, label: &str, data: &[T], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+    pub(crate) fn buffer<T: Pod>(
+        &self,
+        label: &str,
+        data: &[T],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let most = self.most_bytes(usage);
         if bytes.len() as u64 > most {
-            let asks = format!("{label} need {} MB, the adapter takes {} MB at once", bytes.len() >> 20, most >> 20);
+            let asks = format!(
+                "{label} need {} MB, the adapter takes {} MB at once",
+                bytes.len() >> 20,
+                most >> 20
+            );
             return Err(Error::numeric("GPU", format!("{asks}; use a smaller model or add --cpu")));
         }
         let empty = vec![0u8; size_of::<T>().max(4)];
         let contents = if bytes.is_empty() { &empty } else { bytes };
-        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage }))
+        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents,
+            usage,
+        }))
     }
 
     /// Replaces the contents of `buffer`.
@@ -128,7 +159,12 @@ impl Gpu {
     pub(crate) fn read<T: Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
         let size = buffer.size();
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let copy = self.device.create_buffer(&wgpu::BufferDescriptor { label: Some("read"), size, usage, mapped_at_creation: false });
+        let copy = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("read"),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, size);
         self.queue.submit([encoder.finish()]);
@@ -137,7 +173,12 @@ impl Gpu {
 
     /// The contents of a buffer that can be mapped.
     pub(crate) fn map<T: Pod>(&self, buffer: &wgpu::Buffer) -> Result<Vec<T>> {
-        let broken = |what: String| Error::numeric("GPU", format!("results could not be read back ({what}); try again or add --cpu"));
+        let broken = |what: String| {
+            Error::numeric(
+                "GPU",
+                format!("results could not be read back ({what}); try again or add --cpu"),
+            )
+        };
         let (send, receive) = std::sync::mpsc::channel();
         buffer.map_async(wgpu::MapMode::Read, .., move |done| {
             let _ = send.send(done);
@@ -152,7 +193,8 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    /// Gives the device back at once: everything that is asked of it afterwards fails, as if it had been lost.
+    /// Gives the device back at once: everything that is asked of it afterwards fails, as if it had
+    /// been lost.
     pub fn destroy(&self) {
         self.device.destroy();
     }
@@ -164,6 +206,11 @@ impl Gpu {
     pub fn wait(&self) -> Result<()> {
         let done = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check()?;
-        done.map(|_| ()).map_err(|e| Error::numeric("GPU", format!("the device does not answer ({e}); try again or add --cpu")))
+        done.map(|_| ()).map_err(|e| {
+            Error::numeric(
+                "GPU",
+                format!("the device does not answer ({e}); try again or add --cpu"),
+            )
+        })
     }
 }

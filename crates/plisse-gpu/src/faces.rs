@@ -1,5 +1,5 @@
-//! Faces that the twins laid out, ready to be drawn: what an editor shows besides the frames of [`crate::Live`], such as a solved
-//! surface or colours that stand for numbers.
+//! Faces that the twins laid out, ready to be drawn: what an editor shows besides the frames of
+//! [`crate::Live`], such as a solved surface or colours that stand for numbers.
 
 use plisse::Result;
 use plisse_live::render::Corner;
@@ -38,7 +38,9 @@ impl Faces {
         if faces.len() != self.count {
             *self = Self::new(gpu, faces)?;
         } else {
-            self.batches.iter().for_each(|b| gpu.write(&b.faces, &laid_out(&faces[b.range[0]..b.range[1]])));
+            self.batches
+                .iter()
+                .for_each(|b| gpu.write(&b.faces, &laid_out(&faces[b.range[0]..b.range[1]])));
         }
         gpu.check()
     }

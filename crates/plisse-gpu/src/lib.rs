@@ -1,7 +1,8 @@
 //! The `wgpu` host of the real-time stages: buffers, passes, timers, pictures.
 //!
-//! The stages themselves and their twins are in `plisse-live`; nothing here computes anything that they do not. [`Gpu`] is the
-//! adapter, [`Live`] the buffers of one or several characters whose frames it makes, [`Painter`] draws them.
+//! The stages themselves and their twins are in `plisse-live`; nothing here computes anything that
+//! they do not. [`Gpu`] is the adapter, [`Live`] the buffers of one or several characters whose
+//! frames it makes, [`Painter`] draws them.
 //! [`Faces`] are faces that come from the processor instead. [`Average`] leaves a picture on the adapter. [`memory_speed`] is what
 //! the stages' times are measured against.
 

@@ -1,4 +1,5 @@
-//! How fast the adapter's memory is, by a copy: what a stage that only moves bytes is measured against.
+//! How fast the adapter's memory is, by a copy: what a stage that only moves bytes is measured
+//! against.
 
 use plisse::Result;
 
@@ -22,12 +23,19 @@ pub fn memory_speed(gpu: &Gpu) -> Result<Option<f64>> {
     let groups = (groups as u32).min(gpu.device.limits().max_compute_workgroups_per_dimension);
     let bytes = u64::from(groups) * OF_A_GROUP;
     let buffer = |label| {
-        let descriptor = wgpu::BufferDescriptor { label: Some(label), size: bytes, usage: Use::STORAGE, mapped_at_creation: false };
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some(label),
+            size: bytes,
+            usage: Use::STORAGE,
+            mapped_at_creation: false,
+        };
         gpu.device.create_buffer(&descriptor)
     };
     let (source, copy) = (buffer("source"), buffer("copy"));
     let text = wgpu::ShaderSource::Wgsl(include_str!("memory.wgsl").into());
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("memory"), source: text });
+    let module = gpu
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("memory"), source: text });
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("memory"),
         layout: None,
@@ -48,7 +56,10 @@ pub fn memory_speed(gpu: &Gpu) -> Result<Option<f64>> {
     let mut seconds = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: None, timestamp_writes: timer.compute(0) });
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: None,
+            timestamp_writes: timer.compute(0),
+        });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &arguments, &[]);
         pass.dispatch_workgroups(groups, 1, 1);

@@ -37,7 +37,9 @@ impl Scene {
             light: four(&light.lamp, 0.0),
             up: four(&light.up, 0.0),
             colour: four(&look.colour, 1.0),
-            profile: std::array::from_fn(|i| if i % 2 == 0 { look.profile.f[i / 2] } else { look.profile.df[i / 2] }),
+            profile: std::array::from_fn(|i| {
+                if i % 2 == 0 { look.profile.f[i / 2] } else { look.profile.df[i / 2] }
+            }),
         }
     }
 }
@@ -58,8 +60,9 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// For pictures of `size` (width, height) pixels, with the base colour of each character. `samples`: of each pixel along each side;
-    /// pictures are as the twin's with [`plisse_live::draw::SAMPLES`].
+    /// For pictures of `size` (width, height) pixels, with the base colour of each character.
+    /// `samples`: of each pixel along each side; pictures are as the twin's with
+    /// [`plisse_live::draw::SAMPLES`].
     ///
     /// # Errors
     /// [`Error::Value`] if the pictures are too large for the adapter.
@@ -67,8 +70,12 @@ impl Painter {
         let fine = size.map(|s| (s * samples) as u32);
         let most = gpu.device.limits().max_texture_dimension_2d;
         if fine.iter().any(|&s| s == 0 || s > most) {
-            let message =
-                format!("pictures of {} x {} pixels cannot be drawn; give 1 to {} for each", size[0], size[1], most as usize / samples);
+            let message = format!(
+                "pictures of {} x {} pixels cannot be drawn; give 1 to {} for each",
+                size[0],
+                size[1],
+                most as usize / samples
+            );
             return Err(Error::value("size", message));
         }
         let pipeline = pipeline(gpu);
@@ -93,10 +100,20 @@ impl Painter {
                 let view = upload(gpu, texture);
                 let entries = [
                     wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() },
-                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(&view) },
-                    wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&sampler) },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: wgpu::BindingResource::TextureView(&view),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 2,
+                        resource: wgpu::BindingResource::Sampler(&sampler),
+                    },
                 ];
-                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("look"), layout: &layout, entries: &entries })
+                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("look"),
+                    layout: &layout,
+                    entries: &entries,
+                })
             })
             .collect();
         let texture = |format, usage| {
@@ -111,9 +128,12 @@ impl Painter {
                 view_formats: &[],
             })
         };
-        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
+        let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::TEXTURE_BINDING;
         let colour = texture(COLOUR, usage);
-        let depth = texture(DEPTH, wgpu::TextureUsages::RENDER_ATTACHMENT).create_view(&Default::default());
+        let depth =
+            texture(DEPTH, wgpu::TextureUsages::RENDER_ATTACHMENT).create_view(&Default::default());
         let row_bytes = (4 * fine[0]).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let readable = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("picture"),
@@ -125,7 +145,8 @@ impl Painter {
         Ok(Self { size, samples, pipeline, scene, arguments, colour, depth, readable, row_bytes })
     }
 
-    /// Draws the last frame of `live`, whose characters are those the painter was made for, without waiting for it (but see [`crate::StageTimes`]).
+    /// Draws the last frame of `live`, whose characters are those the painter was made for, without
+    /// waiting for it (but see [`crate::StageTimes`]).
     ///
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
@@ -137,16 +158,28 @@ impl Painter {
         gpu.check()
     }
 
-    /// Draws `faces` with texture number `texture` of those that the painter was made with, without waiting for it.
+    /// Draws `faces` with texture number `texture` of those that the painter was made with, without
+    /// waiting for it.
     ///
     /// # Errors
     /// [`Error::Value`] if there is no such texture; [`Error::Numeric`] if the device fails.
-    pub fn draw_faces(&self, gpu: &Gpu, faces: &Faces, texture: usize, camera: &Camera, look: &Look<'_>) -> Result<()> {
+    pub fn draw_faces(
+        &self,
+        gpu: &Gpu,
+        faces: &Faces,
+        texture: usize,
+        camera: &Camera,
+        look: &Look<'_>,
+    ) -> Result<()> {
         let Some(arguments) = self.arguments.get(texture) else {
-            return Err(Error::value("texture", format!("there is no number {texture}; give one below {}", self.arguments.len())));
+            return Err(Error::value(
+                "texture",
+                format!("there is no number {texture}; give one below {}", self.arguments.len()),
+            ));
         };
         let batches: Vec<&Batch> = faces.batches.iter().collect();
-        let encoder = self.encode(gpu, &batches, &[([0, usize::MAX], arguments)], camera, look, None);
+        let encoder =
+            self.encode(gpu, &batches, &[([0, usize::MAX], arguments)], camera, look, None);
         gpu.queue.submit([encoder.finish()]);
         gpu.check()
     }
@@ -171,11 +204,17 @@ impl Painter {
                 view: &view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
+                    store: wgpu::StoreOp::Store,
+                },
             })],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(1.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
                 stencil_ops: None,
             }),
             timestamp_writes,
@@ -186,7 +225,8 @@ impl Painter {
         for batch in batches {
             pass.set_vertex_buffer(0, batch.faces.slice(..));
             for (faces, arguments) in parts {
-                let [from, to] = faces.map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
+                let [from, to] = faces
+                    .map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
                 if from < to {
                     pass.set_bind_group(0, *arguments, &[]);
                     pass.draw(0..3, from..to);
@@ -208,7 +248,11 @@ impl Painter {
             self.colour.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &self.readable,
-                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row_bytes), rows_per_image: None },
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(self.row_bytes),
+                    rows_per_image: None,
+                },
             },
             extent(fine.map(|s| s as u32)),
         );
@@ -222,7 +266,8 @@ impl Painter {
                 let (mut sum, mut any) = ([0f32; 3], false);
                 for s in 0..self.samples * self.samples {
                     let row = y * self.samples + s / self.samples;
-                    let first = row * self.row_bytes as usize + 4 * (x * self.samples + s % self.samples);
+                    let first =
+                        row * self.row_bytes as usize + 4 * (x * self.samples + s % self.samples);
                     let sample = &bytes[first..first + 3];
                     any |= sample != BACKGROUND;
                     (0..3).for_each(|c| sum[c] += linear[usize::from(sample[c])]);
@@ -241,12 +286,15 @@ fn extent(size: [u32; 2]) -> wgpu::Extent3d {
 
 fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
     let source = wgpu::ShaderSource::Wgsl(wgsl::RENDER.into());
-    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("render"), source });
-    let attributes: [wgpu::VertexAttribute; FACE_FLOATS / 4] = std::array::from_fn(|a| wgpu::VertexAttribute {
-        format: wgpu::VertexFormat::Float32x4,
-        offset: 16 * a as u64,
-        shader_location: a as u32,
-    });
+    let module = gpu
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor { label: Some("render"), source });
+    let attributes: [wgpu::VertexAttribute; FACE_FLOATS / 4] =
+        std::array::from_fn(|a| wgpu::VertexAttribute {
+            format: wgpu::VertexFormat::Float32x4,
+            offset: 16 * a as u64,
+            shader_location: a as u32,
+        });
     let layout = wgpu::VertexBufferLayout {
         array_stride: 4 * FACE_FLOATS as u64,
         step_mode: wgpu::VertexStepMode::Instance,
@@ -293,7 +341,16 @@ fn upload(gpu: &Gpu, texture: &Texture) -> wgpu::TextureView {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * size.width), rows_per_image: None };
-    gpu.queue.write_texture(uploaded.as_image_copy(), bytemuck::cast_slice(&texture.rgba), rows, size);
+    let rows = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * size.width),
+        rows_per_image: None,
+    };
+    gpu.queue.write_texture(
+        uploaded.as_image_copy(),
+        bytemuck::cast_slice(&texture.rgba),
+        rows,
+        size,
+    );
     uploaded.create_view(&Default::default())
 }

@@ -1,5 +1,6 @@
-//! Milliseconds of each stage: by timestamps on the device, or, with a driver that stands in for one, by the clock around each stage
-//! (such drivers stamp passes when they queue them, not when they run).
+//! Milliseconds of each stage: by timestamps on the device, or, with a driver that stands in for
+//! one, by the clock around each stage (such drivers stamp passes when they queue them, not when
+//! they run).
 
 use web_time::Instant;
 
@@ -10,7 +11,8 @@ use crate::device::Gpu;
 /// Names of the stages that are timed, in their order.
 pub const STAGES: [&str; 5] = ["skin", "crush", "relax", "gather", "render"];
 
-/// Milliseconds of each of [`STAGES`] in the last frame; none where the stage did not run or the adapter cannot tell.
+/// Milliseconds of each of [`STAGES`] in the last frame; none where the stage did not run or the
+/// adapter cannot tell.
 pub type StageTimes = [Option<f64>; 5];
 
 /// Bytes between resolved stages, as wgpu asks for.
@@ -33,7 +35,11 @@ pub(crate) struct Stamps {
 
 impl Timer {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        if gpu.is_software() { Self::Clock([0.0; 5]) } else { Stamps::new(gpu).map_or(Self::None, Self::Stamps) }
+        if gpu.is_software() {
+            Self::Clock([0.0; 5])
+        } else {
+            Stamps::new(gpu).map_or(Self::None, Self::Stamps)
+        }
     }
 
     pub(crate) fn compute(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
@@ -55,7 +61,12 @@ impl Timer {
     }
 
     /// Submits what was encoded for `stage`; waits for it where the clock is what tells.
-    pub(crate) fn submit(&mut self, gpu: &Gpu, stage: usize, encoder: wgpu::CommandEncoder) -> Result<()> {
+    pub(crate) fn submit(
+        &mut self,
+        gpu: &Gpu,
+        stage: usize,
+        encoder: wgpu::CommandEncoder,
+    ) -> Result<()> {
         let begun = Instant::now();
         gpu.queue.submit([encoder.finish()]);
         if let Self::Clock(ms) = self {
@@ -81,10 +92,19 @@ impl Stamps {
         let count = 2 * STAGES.len() as u32;
         let buffer = |usage| {
             let size = SLOT * STAGES.len() as u64;
-            gpu.device.create_buffer(&wgpu::BufferDescriptor { label: Some("times"), size, usage, mapped_at_creation: false })
+            gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("times"),
+                size,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         gpu.has_timestamps.then(|| Self {
-            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor { label: None, ty: wgpu::QueryType::Timestamp, count }),
+            queries: gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: None,
+                ty: wgpu::QueryType::Timestamp,
+                count,
+            }),
             resolved: buffer(wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC),
             readable: buffer(wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST),
         })
@@ -95,7 +115,12 @@ impl Stamps {
         // Only what was written: others would be waited for, forever.
         for stage in (0..STAGES.len()).filter(|&s| ran[s]) {
             let first = 2 * stage as u32;
-            encoder.resolve_query_set(&self.queries, first..first + 2, &self.resolved, stage as u64 * SLOT);
+            encoder.resolve_query_set(
+                &self.queries,
+                first..first + 2,
+                &self.resolved,
+                stage as u64 * SLOT,
+            );
         }
         encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, self.readable.size());
         gpu.queue.submit([encoder.finish()]);
@@ -103,6 +128,8 @@ impl Stamps {
         self.readable.unmap();
         let of = |stage: usize| &ticks[stage * SLOT as usize / 8..];
         let period_ms = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        Ok(std::array::from_fn(|s| ran[s].then(|| of(s)[1].saturating_sub(of(s)[0]) as f64 * period_ms)))
+        Ok(std::array::from_fn(|s| {
+            ran[s].then(|| of(s)[1].saturating_sub(of(s)[0]) as f64 * period_ms)
+        }))
     }
 }

@@ -1,4 +1,5 @@
-//! The WGSL of the host itself passes naga without a GPU. (That of the stages is checked in `plisse-live`.)
+//! The WGSL of the host itself passes naga without a GPU. (That of the stages is checked in
+//! `plisse-live`.)
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -14,7 +15,9 @@ fn all_wgsl_is_valid() {
         let check = |text: &str| {
             let module = naga::front::wgsl::parse_str(text).map_err(|e| e.emit_to_string(text))?;
             // No capability beyond what every WebGPU device has.
-            Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module).map_err(|e| e.emit_to_string(text))
+            Validator::new(ValidationFlags::all(), Capabilities::empty())
+                .validate(&module)
+                .map_err(|e| e.emit_to_string(text))
         };
         check(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         check(&text.replacen("vec4f", "vec5f", 1)).expect_err("a perturbed text");

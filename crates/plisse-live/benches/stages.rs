@@ -1,4 +1,5 @@
-//! The twins of the stages: `cargo bench -p plisse-live`. The GPU beside them: `plisse live --bench`.
+//! The twins of the stages: `cargo bench -p plisse-live`. The GPU beside them: `plisse live
+//! --bench`.
 
 use divan::Bencher;
 use plisse_live::crush::{CrushInput, crush};
@@ -36,7 +37,8 @@ fn stage_skin(bencher: Bencher<'_, '_>, size: (usize, usize)) {
 #[divan::bench(args = SIZES)]
 fn stage_crush(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let (_, unified, _, state) = sheet(size);
-    let input = CrushInput { wavelength_m: &[0.05], bias: &[], last_direction: &state.crushed.direction };
+    let input =
+        CrushInput { wavelength_m: &[0.05], bias: &[], last_direction: &state.crushed.direction };
     bencher.bench(|| crush(&unified, &state.posed, &input));
 }
 
@@ -44,7 +46,9 @@ fn stage_crush(bencher: Bencher<'_, '_>, size: (usize, usize)) {
 fn stage_relax(bencher: Bencher<'_, '_>, size: (usize, usize)) {
     let (_, unified, _, state) = sheet(size);
     let mut next = vec![0.0; unified.count()];
-    bencher.bench_local(|| relax(&unified, &state.posed.positions, &state.crushed, 0.25, &state.phase, &mut next));
+    bencher.bench_local(|| {
+        relax(&unified, &state.posed.positions, &state.crushed, 0.25, &state.phase, &mut next)
+    });
 }
 
 #[divan::bench(args = SIZES)]

@@ -11,26 +11,53 @@ use crate::render::FaceWaves;
 use crate::skin::Skinned;
 use crate::unify::Unified;
 
-/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw vertices) with the waves of their unified
-/// vertices.
-pub fn faces(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState) -> Vec<FaceWaves> {
-    gather(model, unified, &state.posed, draw, &state.crushed, &state.phase).into_iter().map(FaceWaves::new).collect()
+/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw
+/// vertices) with the waves of their unified vertices.
+pub fn faces(
+    model: &Model,
+    unified: &Unified,
+    draw: &Skinned,
+    state: &LiveState,
+) -> Vec<FaceWaves> {
+    gather(model, unified, &state.posed, draw, &state.crushed, &state.phase)
+        .into_iter()
+        .map(FaceWaves::new)
+        .collect()
 }
 
-/// Height and normal maps of `model` in the frame that `state` holds and `draw` (`[V]`) poses, eqs. 5, 7 and 8.
+/// Height and normal maps of `model` in the frame that `state` holds and `draw` (`[V]`) poses, eqs.
+/// 5, 7 and 8.
 ///
 /// # Errors
 /// [`Error::Value`] for a model without texture coordinates; as [`plisse::bake::bake`].
-pub fn bake(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState, profile: &Profile, options: &Options) -> Result<Baked> {
+pub fn bake(
+    model: &Model,
+    unified: &Unified,
+    draw: &Skinned,
+    state: &LiveState,
+    profile: &Profile,
+    options: &Options,
+) -> Result<Baked> {
     check(model)?;
     let waves = faces(model, unified, draw, state);
-    let wide = |x: &crate::Vec3| plisse::mesh::Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
+    let wide =
+        |x: &crate::Vec3| plisse::mesh::Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
     let positions: Vec<_> = draw.positions.iter().map(wide).collect();
     let normals: Vec<_> = draw.normals.iter().map(wide).collect();
     let corners: Vec<[usize; 3]> = model.faces.iter().map(|f| f.map(|v| v as usize)).collect();
     // glTF's v points down.
-    let uvs: Vec<_> = model.uvs.iter().map(|uv| plisse::mesh::Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y))).collect();
-    let surface = Surface { positions: &positions, normals: &normals, faces: &corners, uvs: &uvs, uv_faces: &corners };
+    let uvs: Vec<_> = model
+        .uvs
+        .iter()
+        .map(|uv| plisse::mesh::Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y)))
+        .collect();
+    let surface = Surface {
+        positions: &positions,
+        normals: &normals,
+        faces: &corners,
+        uvs: &uvs,
+        uv_faces: &corners,
+    };
     let sample = |f: usize, weights: [f64; 3]| {
         let point = waves[f].at(weights.map(|w| w as f32), profile);
         Sample { height_m: f64::from(point.height_m), gradient: wide(&point.gradient) }
@@ -44,13 +71,15 @@ pub fn bake(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState,
 /// [`Error::Value`] if not.
 pub fn check(model: &Model) -> Result<()> {
     if model.uvs.iter().all(|uv| *uv == model.uvs[0]) {
-        let message = "there are none to bake into; unwrap the model (\"UV unwrap\") and export it again";
+        let message =
+            "there are none to bake into; unwrap the model (\"UV unwrap\") and export it again";
         return Err(Error::value(format!("{}, texture coordinates", model.name), message));
     }
     Ok(())
 }
 
-/// The largest height (m) that waves of these wavelengths (m) can have: W/4 times the profile's largest value.
+/// The largest height (m) that waves of these wavelengths (m) can have: W/4 times the profile's
+/// largest value.
 pub fn largest_height_m(wavelength_m: &[f32], profile: &Profile) -> f32 {
     let most = |list: &[f32]| list.iter().fold(0f32, |a, x| a.max(x.abs()));
     0.25 * most(wavelength_m) * most(&profile.f)

@@ -20,20 +20,35 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Holds all of `positions` (those that are finite), seen from `yaw_rad` to the right of +z and `pitch_rad` above the horizon.
-    pub fn fit<'a>(positions: impl Iterator<Item = &'a Vec3> + Clone, yaw_rad: f32, pitch_rad: f32, aspect: f32) -> Self {
+    /// Holds all of `positions` (those that are finite), seen from `yaw_rad` to the right of +z and
+    /// `pitch_rad` above the horizon.
+    pub fn fit<'a>(
+        positions: impl Iterator<Item = &'a Vec3> + Clone,
+        yaw_rad: f32,
+        pitch_rad: f32,
+        aspect: f32,
+    ) -> Self {
         let finite = positions.filter(|p| p.iter().all(|x| x.is_finite()));
         let low = finite.clone().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
         let high = finite.clone().fold(Vec3::repeat(f32::NEG_INFINITY), |a, p| a.sup(p));
-        let (low, high) = if low.x <= high.x { (low, high) } else { (Vec3::repeat(-1.0), Vec3::repeat(1.0)) };
+        let (low, high) =
+            if low.x <= high.x { (low, high) } else { (Vec3::repeat(-1.0), Vec3::repeat(1.0)) };
         let pitch_rad = pitch_rad.clamp(-1.5, 1.5);
-        let back = Vec3::new(yaw_rad.sin() * pitch_rad.cos(), pitch_rad.sin(), yaw_rad.cos() * pitch_rad.cos());
+        let back = Vec3::new(
+            yaw_rad.sin() * pitch_rad.cos(),
+            pitch_rad.sin(),
+            yaw_rad.cos() * pitch_rad.cos(),
+        );
         let (right, up) = frame(&back);
         let middle = 0.5 * (low + high);
         let tan = (0.5 * OPENING_RAD).tan();
-        // The middle of what is seen, then the distance at which every point is inside the picture's edges.
+        // The middle of what is seen, then the distance at which every point is inside the
+        // picture's edges.
         let span = |axis: &Vec3| {
-            finite.clone().map(|p| axis.dot(&(p - middle))).fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+            finite
+                .clone()
+                .map(|p| axis.dot(&(p - middle)))
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
         };
         let centre = |[a, b]: [f32; 2]| if a <= b { 0.5 * (a + b) } else { 0.0 };
         let target = middle + right * centre(span(&right)) + up * centre(span(&up));
@@ -51,7 +66,8 @@ impl Camera {
     /// Sees everything `factor` times as large.
     pub fn nearer(&self, factor: f32) -> Self {
         let away = self.eye - self.target;
-        let depth = self.depth.map(|d| (d + away.norm() * (1.0 / factor - 1.0)).max(1e-4 * away.norm()));
+        let depth =
+            self.depth.map(|d| (d + away.norm() * (1.0 / factor - 1.0)).max(1e-4 * away.norm()));
         Self { eye: self.target + away / factor, depth, ..*self }
     }
 
@@ -100,7 +116,9 @@ mod tests {
 
     #[test]
     fn everything_is_inside_the_picture_and_fills_it() {
-        let points: Vec<Vec3> = (0..64).map(|i| Vec3::new((i % 4) as f32, (i / 4 % 4) as f32 * 0.5, (i / 16) as f32 * 2.0)).collect();
+        let points: Vec<Vec3> = (0..64)
+            .map(|i| Vec3::new((i % 4) as f32, (i / 4 % 4) as f32 * 0.5, (i / 16) as f32 * 2.0))
+            .collect();
         for (yaw, pitch, aspect) in [(0.0, 0.0, 1.0), (0.6, 0.3, 1.6), (3.0, -0.4, 0.5)] {
             let camera = Camera::fit(points.iter(), yaw, pitch, aspect);
             let seen = |p: &Vec3| {

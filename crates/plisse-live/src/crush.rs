@@ -1,9 +1,11 @@
-//! Stage "Crush" (4.2, 5.1): how strongly and where to the surface is compressed around each vertex.
+//! Stage "Crush" (4.2, 5.1): how strongly and where to the surface is compressed around each
+//! vertex.
 //!
-//! Departs from the paper in three points. Amplitude comes with its share of the largest possible one (W/4), which is what Relax
-//! weighs by, so that nothing depends on the model's size. The wave vector is 2π/W·k′ (rad/m), so that the wavelength may
-//! differ from vertex to vertex. And an eigenvector has no sign, so each frame's is turned to agree with the last one's: then
-//! the phase needs no flipping (the profile is even: turning k′ and φ together changes nothing).
+//! Departs from the paper in three points. Amplitude comes with its share of the largest possible
+//! one (W/4), which is what Relax weighs by, so that nothing depends on the model's size. The wave
+//! vector is 2π/W·k′ (rad/m), so that the wavelength may differ from vertex to vertex. And an
+//! eigenvector has no sign, so each frame's is turned to agree with the last one's: then the phase
+//! needs no flipping (the profile is even: turning k′ and φ together changes nothing).
 
 use std::f32::consts::TAU;
 
@@ -14,11 +16,14 @@ use crate::skin::Skinned;
 use crate::unify::Unified;
 use crate::{CHUNK, Vec3, wrap};
 
-/// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this one's length.
+/// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this
+/// one's length.
 pub const LEAST_R: f32 = 0.25;
-/// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no compression.
+/// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no
+/// compression.
 pub(crate) const ROUND_OFF: f32 = 2e-6;
-/// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing across it.
+/// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing
+/// across it.
 pub(crate) const SINGULAR: f32 = 1e-5;
 
 /// What Crush knows of each vertex besides the mesh.
@@ -26,7 +31,8 @@ pub(crate) const SINGULAR: f32 = 1e-5;
 pub struct CrushInput<'a> {
     /// `[U]` wavelength W (m, rest), or one for all.
     pub wavelength_m: &'a [f32],
-    /// `[U]` painted bias p (section 7): a rest-space vector of length < 1 along which wrinkles run in, or empty (none).
+    /// `[U]` painted bias p (section 7): a rest-space vector of length < 1 along which wrinkles run
+    /// in, or empty (none).
     pub bias: &'a [Vec3],
     /// `[U]` the last frame's `direction`, or empty (first frame).
     pub last_direction: &'a [Vec3],
@@ -41,9 +47,11 @@ pub struct Crushed {
     pub strength: Vec<f32>,
     /// `[U]` wave vector 2π/W·k′ (rad/m, posed space, tangential), eq. 4.
     pub wave: Vec<Vec3>,
-    /// `[U]` unit direction k of strongest compression (rest space, tangential); zero at singular vertices.
+    /// `[U]` unit direction k of strongest compression (rest space, tangential); zero at singular
+    /// vertices.
     pub direction: Vec<Vec3>,
-    /// Vertices where no direction can be told (h = 0 there): fewer than two neighbours, or all in one line.
+    /// Vertices where no direction can be told (h = 0 there): fewer than two neighbours, or all in
+    /// one line.
     pub singular: usize,
 }
 
@@ -59,15 +67,31 @@ pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crus
         }
         let squared = 1.0 - r * r;
         let strength = if squared < ROUND_OFF { 0.0 } else { squared.sqrt() };
-        (((0.25 * wavelength_m * strength, strength), (k_posed * (TAU / wavelength_m), k)), found.is_none())
+        (
+            ((0.25 * wavelength_m * strength, strength), (k_posed * (TAU / wavelength_m), k)),
+            found.is_none(),
+        )
     };
     let vertices = (0..unified.count()).into_par_iter().with_min_len(CHUNK);
-    let (((amplitude_m, strength), (wave, direction)), singular): (((_, _), (_, _)), Vec<bool>) = vertices.map(at).unzip();
-    Crushed { amplitude_m, strength, wave, direction, singular: singular.iter().filter(|&&s| s).count() }
+    let (((amplitude_m, strength), (wave, direction)), singular): (((_, _), (_, _)), Vec<bool>) =
+        vertices.map(at).unzip();
+    Crushed {
+        amplitude_m,
+        strength,
+        wave,
+        direction,
+        singular: singular.iter().filter(|&&s| s).count(),
+    }
 }
 
-/// r, k (rest) and k′ (posed) at vertex `v`; `None` where the neighbours do not span the tangent plane.
-fn crush_vertex(unified: &Unified, posed: &Skinned, v: usize, bias: &Vec3) -> Option<(f32, Vec3, Vec3)> {
+/// r, k (rest) and k′ (posed) at vertex `v`; `None` where the neighbours do not span the tangent
+/// plane.
+fn crush_vertex(
+    unified: &Unified,
+    posed: &Skinned,
+    v: usize,
+    bias: &Vec3,
+) -> Option<(f32, Vec3, Vec3)> {
     let rest = &unified.vertices;
     let around = unified.around(v);
     let (t, b) = frame(&rest.positions, &rest.normals, v, around)?;
@@ -89,7 +113,8 @@ fn crush_vertex(unified: &Unified, posed: &Skinned, v: usize, bias: &Vec3) -> Op
     let q = Vector2::new(t.dot(bias), b.dot(bias));
     let m = moved * gram.try_inverse()? * (Matrix2::identity() - q * q.transpose());
     let (r, weak) = weakest(&m)?;
-    // k′ = M⁻ᵀk = u/r, u being where M sends k (of unit length); taken across the other direction's image where r is tiny.
+    // k′ = M⁻ᵀk = u/r, u being where M sends k (of unit length); taken across the other direction's
+    // image where r is tiny.
     let strong = Vector2::new(-weak.y, weak.x);
     let across = m * strong;
     let mut u = Vector2::new(across.y, -across.x).try_normalize(1e-20)?;
@@ -100,8 +125,9 @@ fn crush_vertex(unified: &Unified, posed: &Skinned, v: usize, bias: &Vec3) -> Op
     Some((r, t * weak.x + b * weak.y, t_posed * scaled.x + b_posed * scaled.y))
 }
 
-/// An orthonormal frame of the tangent plane at `v`: t along the first neighbour that is not above the vertex. Which one
-/// does not matter, nor whether both poses use the same: a turn of the frame cancels in r, k and k′.
+/// An orthonormal frame of the tangent plane at `v`: t along the first neighbour that is not above
+/// the vertex. Which one does not matter, nor whether both poses use the same: a turn of the frame
+/// cancels in r, k and k′.
 fn frame(positions: &[Vec3], normals: &[Vec3], v: usize, around: &[u32]) -> Option<(Vec3, Vec3)> {
     let n = normals[v];
     if n.norm_squared() < 0.25 {
@@ -110,20 +136,22 @@ fn frame(positions: &[Vec3], normals: &[Vec3], v: usize, around: &[u32]) -> Opti
     around.iter().find_map(|&i| {
         let x = positions[i as usize] - positions[v];
         let flat = x - n * x.dot(&n);
-        let t = (flat.norm_squared() > 1e-4 * x.norm_squared()).then(|| flat.try_normalize(1e-30))??;
+        let t = (flat.norm_squared() > 1e-4 * x.norm_squared())
+            .then(|| flat.try_normalize(1e-30))??;
         Some((t, n.cross(&t)))
     })
 }
 
-/// The smaller singular value of `m` and its unit right vector: the eigenvector of MᵀM, by the closed form of a 2×2 matrix.
+/// The smaller singular value of `m` and its unit right vector: the eigenvector of MᵀM, by the
+/// closed form of a 2×2 matrix.
 fn weakest(m: &Matrix2<f32>) -> Option<(f32, Vector2<f32>)> {
     let s = m.transpose() * m;
     let (mean, half) = (0.5 * (s[(0, 0)] + s[(1, 1)]), 0.5 * (s[(0, 0)] - s[(1, 1)]));
     if !(mean.is_finite() && mean > 1e-12) {
         return None;
     }
-    // The strong axis (cos θ, sin θ) has cos 2θ ∝ half and sin 2θ ∝ s₀₁. Half angles by the root that does not cancel, and without
-    // trigonometry, which GPUs round coarsely.
+    // The strong axis (cos θ, sin θ) has cos 2θ ∝ half and sin 2θ ∝ s₀₁. Half angles by the root
+    // that does not cancel, and without trigonometry, which GPUs round coarsely.
     let off = s[(0, 1)];
     let radius = half.hypot(off);
     let (cos, sin) = if radius <= 1e-12 * mean {
@@ -139,8 +167,8 @@ fn weakest(m: &Matrix2<f32>) -> Option<(f32, Vector2<f32>)> {
     Some(((m * weak).norm(), weak))
 }
 
-/// Share of vertices, among those with a strength of at least `least` in both frames, whose phase moved more than π/4 between two frames.
-/// Directions must have been aligned, as [`crush`] does.
+/// Share of vertices, among those with a strength of at least `least` in both frames, whose phase
+/// moved more than π/4 between two frames. Directions must have been aligned, as [`crush`] does.
 pub fn jumping(strength: [&[f32]; 2], phase: [&[f32]; 2], least: f32) -> f32 {
     let wrinkled = |v: &usize| strength[0][*v] >= least && strength[1][*v] >= least;
     let jumps = |v: &usize| wrap(phase[1][*v] - phase[0][*v]).abs() > std::f32::consts::FRAC_PI_4;

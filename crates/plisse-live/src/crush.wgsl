@@ -1,4 +1,5 @@
-// Stage "Crush" (4.2, 5.1): the direction in which the surface around a vertex is compressed most, and how much. Twin: crush.rs.
+// Stage "Crush" (4.2, 5.1): the direction in which the surface around a vertex is compressed most,
+// and how much. Twin: crush.rs.
 
 const TAU = 6.283185307;
 // As in crush.rs.

@@ -1,7 +1,8 @@
-//! Pictures by stage "Render" on the processor: what the GPU's rasteriser does around the stage, for machines without one and as
-//! its twin.
+//! Pictures by stage "Render" on the processor: what the GPU's rasteriser does around the stage,
+//! for machines without one and as its twin.
 //!
-//! Each pixel takes four samples, as the GPU host does. Samples are independent, so any number of threads gives the same bytes.
+//! Each pixel takes four samples, as the GPU host does. Samples are independent, so any number of
+//! threads gives the same bytes.
 
 use plisse::picture::Image;
 use rayon::prelude::*;
@@ -43,7 +44,8 @@ pub struct Picture {
 /// Draws `faces` as `camera` sees them on `size` (width, height) pixels.
 pub fn draw(faces: &[[Corner; 3]], look: &Look<'_>, camera: &Camera, size: [usize; 2]) -> Picture {
     let fine = size.map(|s| s * SAMPLES);
-    let faces: Vec<Projected> = faces.iter().filter_map(|corners| Projected::new(corners, camera, fine)).collect();
+    let faces: Vec<Projected> =
+        faces.iter().filter_map(|corners| Projected::new(corners, camera, fine)).collect();
     let background: [f32; 3] = BACKGROUND.map(from_srgb);
     // One row of pixels at a time; each row looks at the faces that reach it.
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); size[1]];
@@ -72,7 +74,8 @@ pub fn draw(faces: &[[Corner; 3]], look: &Look<'_>, camera: &Camera, size: [usiz
                 for s in 0..SAMPLES * SAMPLES {
                     let found = colour(x * SAMPLES + s % SAMPLES, s / SAMPLES);
                     any |= found.is_some();
-                    sum += found.unwrap_or_else(|| Vec3::from(background)).map(|c| c.clamp(0.0, 1.0));
+                    sum +=
+                        found.unwrap_or_else(|| Vec3::from(background)).map(|c| c.clamp(0.0, 1.0));
                 }
                 covered += usize::from(any);
                 let mean = sum / (SAMPLES * SAMPLES) as f32;
@@ -115,21 +118,27 @@ impl Projected {
     fn new(corners: &[Corner; 3], camera: &Camera, size: [usize; 2]) -> Option<Self> {
         let map = camera.clip_from_world();
         let clip = corners.map(|c| map * c.position.push(1.0));
-        // Faces that reach behind the viewer are left out: cameras that fit the model never see one.
+        // Faces that reach behind the viewer are left out: cameras that fit the model never see
+        // one.
         if clip.iter().any(|c| c.iter().any(|x| !x.is_finite()) || c.w <= 1e-6 || c.z < 0.0) {
             return None;
         }
         let at = clip.map(|c| {
             let ndc = c.xyz() / c.w;
-            Vec3::new((0.5 + 0.5 * ndc.x) * size[0] as f32, (0.5 - 0.5 * ndc.y) * size[1] as f32, ndc.z)
+            Vec3::new(
+                (0.5 + 0.5 * ndc.x) * size[0] as f32,
+                (0.5 - 0.5 * ndc.y) * size[1] as f32,
+                ndc.z,
+            )
         });
         let area = cross(&at[0], &at[1], &at[2]);
         let span = |k: usize| {
             let low = at.iter().fold(f32::INFINITY, |a, p| a.min(p[k]));
             let high = at.iter().fold(f32::NEG_INFINITY, |a, p| a.max(p[k]));
             let most = size[k] as f32 - 1.0;
-            (low - 0.5 <= most && high - 0.5 >= 0.0)
-                .then(|| [(low - 0.5).clamp(0.0, most) as usize, (high - 0.5).clamp(0.0, most) as usize])
+            (low - 0.5 <= most && high - 0.5 >= 0.0).then(|| {
+                [(low - 0.5).clamp(0.0, most) as usize, (high - 0.5).clamp(0.0, most) as usize]
+            })
         };
         let (columns, rows) = (span(0)?, span(1)?);
         // Rows run downwards, so faces that show their front turn clockwise here.
@@ -148,7 +157,8 @@ impl Projected {
     fn flat(&self, p: [f32; 2]) -> Option<[f32; 3]> {
         let p = Vec3::new(p[0], p[1], 0.0);
         let [a, b, c] = &self.at;
-        let s = [cross(&p, b, c) / self.area, cross(&p, c, a) / self.area, cross(&p, a, b) / self.area];
+        let s =
+            [cross(&p, b, c) / self.area, cross(&p, c, a) / self.area, cross(&p, a, b) / self.area];
         s.iter().all(|&x| x >= 0.0).then_some(s)
     }
 
@@ -160,7 +170,8 @@ impl Projected {
         Some(part.map(|x| x / sum))
     }
 
-    /// Puts this face, number `f`, where it is nearest into the `SAMPLES` rows of samples from `top` on.
+    /// Puts this face, number `f`, where it is nearest into the `SAMPLES` rows of samples from
+    /// `top` on.
     fn cover(&self, f: u32, top: usize, width: usize, nearest: &mut [(f32, u32)]) {
         for s in 0..SAMPLES {
             for x in self.columns[0]..=self.columns[1] {

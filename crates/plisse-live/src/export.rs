@@ -1,8 +1,9 @@
-//! Wrinkled geometry from live waves: every face divided, the new vertices moved along their normals, into files that ordinary
-//! viewers open. One frame as a still, or many as morph targets of the first, which an animation shows one after the other.
+//! Wrinkled geometry from live waves: every face divided, the new vertices moved along their
+//! normals, into files that ordinary viewers open. One frame as a still, or many as morph targets
+//! of the first, which an animation shows one after the other.
 //!
-//! Vertices are moved along the normals of the unified surface, so that no crack opens at texture seams or hard edges; the normals in the
-//! file are those that Render shades with (eq. 7).
+//! Vertices are moved along the normals of the unified surface, so that no crack opens at texture
+//! seams or hard edges; the normals in the file are those that Render shades with (eq. 7).
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -21,7 +22,8 @@ use crate::{Vec2, Vec3, bake};
 /// Most bytes of a file.
 pub const MOST_BYTES: u64 = 512 << 20;
 
-/// A divided model. V' vertices, F·n² faces; both the same, in the same order, for every frame of one model and one n.
+/// A divided model. V' vertices, F·n² faces; both the same, in the same order, for every frame of
+/// one model and one n.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fine {
     /// `[V']` displaced positions (m); the first V belong to the model's draw vertices.
@@ -43,8 +45,16 @@ pub enum Between {
     Linear,
 }
 
-/// Divides every face of `model` into `parts`² and displaces it by the waves of `state`, over draw vertices posed as `draw` (`[V]`).
-pub fn refine(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveState, profile: &Profile, parts: usize) -> Fine {
+/// Divides every face of `model` into `parts`² and displaces it by the waves of `state`, over draw
+/// vertices posed as `draw` (`[V]`).
+pub fn refine(
+    model: &Model,
+    unified: &Unified,
+    draw: &Skinned,
+    state: &LiveState,
+    profile: &Profile,
+    parts: usize,
+) -> Fine {
     let parts = parts.max(1);
     let waves = bake::faces(model, unified, draw, state);
     let lattice = Lattice::new(&model.faces, draw.positions.len(), parts);
@@ -89,7 +99,8 @@ pub fn refine(model: &Model, unified: &Unified, draw: &Skinned, state: &LiveStat
     fine
 }
 
-/// Parts of an edge at which the median edge of `unified` (rest) has `per_wave` parts to a wavelength (m); 1 to 64.
+/// Parts of an edge at which the median edge of `unified` (rest) has `per_wave` parts to a
+/// wavelength (m); 1 to 64.
 pub fn suggest_parts(unified: &Unified, wavelength_m: f32, per_wave: f32) -> usize {
     let x = &unified.vertices.positions;
     let lengths = |v: usize| unified.around(v).iter().map(move |&n| (x[n as usize] - x[v]).norm());
@@ -104,7 +115,8 @@ pub fn suggest_parts(unified: &Unified, wavelength_m: f32, per_wave: f32) -> usi
 /// # Errors
 /// [`Error::Value`] about the frames (or the parts, for one frame alone) with as many as would do.
 pub fn check_size(model: &Model, parts: usize, frames: usize) -> Result<()> {
-    let vertices = Lattice::new(&model.faces, model.draw.positions.len(), 1).count_at(parts, model.faces.len()) as u64;
+    let vertices = Lattice::new(&model.faces, model.draw.positions.len(), 1)
+        .count_at(parts, model.faces.len()) as u64;
     let fixed = vertices * 32 + (model.faces.len() * parts * parts) as u64 * 12;
     let frame = vertices * 24;
     let count = frames as u64;
@@ -115,11 +127,18 @@ pub fn check_size(model: &Model, parts: usize, frames: usize) -> Result<()> {
     Err(match most {
         Some(most) => Error::value(
             "frames",
-            format!("{frames} frames of {vertices} vertices make more than 512 MB; give {most} or fewer, or divide faces less"),
+            format!(
+                "{frames} frames of {vertices} vertices make more than 512 MB; give {most} or \
+                 fewer, or divide faces less"
+            ),
         ),
-        None => {
-            Error::value("parts", format!("faces divided into {parts}² parts make {vertices} vertices, more than 512 MB; give fewer parts"))
-        }
+        None => Error::value(
+            "parts",
+            format!(
+                "faces divided into {parts}² parts make {vertices} vertices, more than 512 MB; \
+                 give fewer parts"
+            ),
+        ),
     })
 }
 
@@ -134,35 +153,52 @@ pub fn write_still<W: Write + ?Sized>(out: &mut W, model: &Model, fine: &Fine) -
     glb.write(out, attributes, material, json!({}), json!({}))
 }
 
-/// Writes `frames` as binary glTF: the first as the mesh, each further one as a morph target, and an animation "wrinkles" that shows
-/// one after the other, `fps` a second.
+/// Writes `frames` as binary glTF: the first as the mesh, each further one as a morph target, and
+/// an animation "wrinkles" that shows one after the other, `fps` a second.
 ///
 /// # Errors
-/// As [`write_still`]; also [`io::ErrorKind::InvalidData`] without frames, for frames of different models, and for an `fps` that is not
-/// above 0.
-pub fn write_sequence<W: Write + ?Sized>(out: &mut W, model: &Model, frames: &[Fine], fps: f32, between: Between) -> io::Result<()> {
-    let Some((first, others)) = frames.split_first() else { return Err(invalid("there are no frames to write".into())) };
+/// As [`write_still`]; also [`io::ErrorKind::InvalidData`] without frames, for frames of different
+/// models, and for an `fps` that is not above 0.
+pub fn write_sequence<W: Write + ?Sized>(
+    out: &mut W,
+    model: &Model,
+    frames: &[Fine],
+    fps: f32,
+    between: Between,
+) -> io::Result<()> {
+    let Some((first, others)) = frames.split_first() else {
+        return Err(invalid("there are no frames to write".into()));
+    };
     if others.is_empty() {
         return write_still(out, model, first);
     }
     if !(fps > 0.0 && fps.is_finite()) {
-        return Err(invalid(format!("{fps} frames a second cannot be played; give a number above 0")));
+        return Err(invalid(format!(
+            "{fps} frames a second cannot be played; give a number above 0"
+        )));
     }
-    if let Some(k) = others.iter().position(|f| f.faces != first.faces || f.positions.len() != first.positions.len()) {
+    if let Some(k) = others
+        .iter()
+        .position(|f| f.faces != first.faces || f.positions.len() != first.positions.len())
+    {
         return Err(invalid(format!("frame {} has other vertices than the first", k + 1)));
     }
     let mut glb = Glb::default();
     let mut attributes = mesh_attributes(&mut glb, first)?;
     let mut targets = Vec::new();
     for frame in others {
-        let shift = |a: &[Vec3], b: &[Vec3]| -> Vec<Vec3> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-        let position = glb.vectors(&shift(&frame.positions, &first.positions), true, "a morph target")?;
-        let normal = glb.vectors(&shift(&frame.normals, &first.normals), false, "a morph target")?;
+        let shift =
+            |a: &[Vec3], b: &[Vec3]| -> Vec<Vec3> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+        let position =
+            glb.vectors(&shift(&frame.positions, &first.positions), true, "a morph target")?;
+        let normal =
+            glb.vectors(&shift(&frame.normals, &first.normals), false, "a morph target")?;
         targets.push(json!({"POSITION": position, "NORMAL": normal}));
     }
     let times: Vec<f32> = (0..frames.len()).map(|k| k as f32 / fps).collect();
-    let weights: Vec<f32> =
-        (0..frames.len()).flat_map(|k| (1..frames.len()).map(move |target| if target == k { 1.0 } else { 0.0 })).collect();
+    let weights: Vec<f32> = (0..frames.len())
+        .flat_map(|k| (1..frames.len()).map(move |target| if target == k { 1.0 } else { 0.0 }))
+        .collect();
     let (input, output) = (glb.numbers(&times, true)?, glb.numbers(&weights, false)?);
     let interpolation = match between {
         Between::Step => "STEP",
@@ -178,7 +214,8 @@ pub fn write_sequence<W: Write + ?Sized>(out: &mut W, model: &Model, frames: &[F
     glb.write(out, attributes, material, json!({"weights": vec![0.0; others.len()]}), animation)
 }
 
-/// Numbers of the vertices of divided faces: draw vertices, then those on edges, then those inside faces.
+/// Numbers of the vertices of divided faces: draw vertices, then those on edges, then those inside
+/// faces.
 struct Lattice {
     parts: usize,
     corners: usize,

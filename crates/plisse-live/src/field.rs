@@ -1,8 +1,9 @@
 //! Live waves to and from the library's [`WrinkleField`].
 //!
-//! A field has one orientation over its surface and phases that differ along edges by its one-form; live waves have a sign each
-//! and agree only more or less. [`to_field`] turns signs alike, outwards from the strongest wrinkle, and rounds each edge's whole
-//! waves to what the waves at its ends say. A face where signs or whole waves do not close (a bifurcation) becomes wrinkle-free.
+//! A field has one orientation over its surface and phases that differ along edges by its one-form;
+//! live waves have a sign each and agree only more or less. [`to_field`] turns signs alike,
+//! outwards from the strongest wrinkle, and rounds each edge's whole waves to what the waves at its
+//! ends say. A face where signs or whole waves do not close (a bifurcation) becomes wrinkle-free.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -32,11 +33,22 @@ pub struct Waves {
 /// # Errors
 /// [`plisse::Error::Mesh`] as [`Topology::new`]: live meshes may have slivers, isolated vertices and edges on three faces, fields may not.
 pub fn topology(place: &str, unified: &Unified) -> Result<Topology> {
-    Topology::new(place, unified.count(), unified.faces.iter().map(|f| f.map(|v| v as usize)).collect())
+    Topology::new(
+        place,
+        unified.count(),
+        unified.faces.iter().map(|f| f.map(|v| v as usize)).collect(),
+    )
 }
 
-/// The field of the waves in `crushed` with `phase` (`[U]`, rad) over the posed `positions` (`[U]`, m).
-pub fn to_field(topology: &Topology, unified: &Unified, positions: &[Vec3], crushed: &Crushed, phase: &[f32]) -> WrinkleField {
+/// The field of the waves in `crushed` with `phase` (`[U]`, rad) over the posed `positions` (`[U]`,
+/// m).
+pub fn to_field(
+    topology: &Topology,
+    unified: &Unified,
+    positions: &[Vec3],
+    crushed: &Crushed,
+    phase: &[f32],
+) -> WrinkleField {
     let sign = orient(unified, crushed);
     let wave = |v: usize| crushed.wave[v] * sign[v];
     let phase = |v: usize| f64::from(phase[v] * sign[v]);
@@ -58,7 +70,10 @@ pub fn to_field(topology: &Topology, unified: &Unified, positions: &[Vec3], crus
         let edges = topology.face_edges[f];
         let along = [0, 1, 2].map(|k| topology.side_sign(f, k) * omega[edges[k]]);
         let wrinkled = face.iter().any(|&v| crushed.amplitude_m[v] > 0.0);
-        if wrinkled && edges.iter().all(|&e| agree[e]) && along.iter().sum::<f64>().abs() < 0.5 * TAU {
+        if wrinkled
+            && edges.iter().all(|&e| agree[e])
+            && along.iter().sum::<f64>().abs() < 0.5 * TAU
+        {
             field.wrinkle_free[f] = false;
             let first = phase(face[0]);
             field.phase[f] = [first, first + along[0], first - along[2]];
@@ -68,7 +83,8 @@ pub fn to_field(topology: &Topology, unified: &Unified, positions: &[Vec3], crus
     field
 }
 
-/// The waves that show `field` over the surface `posed`: k′ from dφ, averaged over the faces around each vertex by area.
+/// The waves that show `field` over the surface `posed`: k′ from dφ, averaged over the faces around
+/// each vertex by area.
 pub fn from_field(topology: &Topology, posed: &Skinned, field: &WrinkleField) -> Waves {
     let count = topology.vertex_count;
     let mut sum = vec![Vec3::zeros(); count];
@@ -98,10 +114,12 @@ pub fn from_field(topology: &Topology, posed: &Skinned, field: &WrinkleField) ->
     waves
 }
 
-/// `[U]` sign that turns each wave like its predecessor's, walking from the strongest vertex of each piece over wrinkled ones first.
+/// `[U]` sign that turns each wave like its predecessor's, walking from the strongest vertex of
+/// each piece over wrinkled ones first.
 fn orient(unified: &Unified, crushed: &Crushed) -> Vec<f32> {
     let mut by_strength: Vec<usize> = (0..unified.count()).collect();
-    by_strength.sort_by(|&a, &b| crushed.strength[b].total_cmp(&crushed.strength[a]).then(a.cmp(&b)));
+    by_strength
+        .sort_by(|&a, &b| crushed.strength[b].total_cmp(&crushed.strength[a]).then(a.cmp(&b)));
     let mut sign = vec![0f32; unified.count()];
     for seed in by_strength {
         if sign[seed] != 0.0 {
@@ -113,7 +131,11 @@ fn orient(unified: &Unified, crushed: &Crushed) -> Vec<f32> {
             for n in unified.around(v).iter().map(|&n| n as usize) {
                 // Waves that nobody sees lead nowhere, but are led.
                 if sign[n] == 0.0 && (crushed.strength[v] > 0.0 || crushed.strength[n] == 0.0) {
-                    sign[n] = if crushed.wave[n].dot(&crushed.wave[v]) < 0.0 { -sign[v] } else { sign[v] };
+                    sign[n] = if crushed.wave[n].dot(&crushed.wave[v]) < 0.0 {
+                        -sign[v]
+                    } else {
+                        sign[v]
+                    };
                     queue.push_back(n);
                 }
             }

@@ -1,7 +1,8 @@
-//! Stage "Gather": what the corners of each face carry, side by side, so that Render needs vertex attributes only.
+//! Stage "Gather": what the corners of each face carry, side by side, so that Render needs vertex
+//! attributes only.
 //!
-//! Positions and waves are the unified vertices', so that no seam opens or shows; normals and texture coordinates the draw
-//! vertices', so that hard edges and texture seams stay.
+//! Positions and waves are the unified vertices', so that no seam opens or shows; normals and
+//! texture coordinates the draw vertices', so that hard edges and texture seams stay.
 
 use rayon::prelude::*;
 
@@ -12,8 +13,8 @@ use crate::skin::Skinned;
 use crate::unify::Unified;
 use crate::{CHUNK, Vec2};
 
-/// `[F]` corners of each face of `model`: `posed` and `crushed` and `phase` (`[U]`, rad) of its unified vertices, `posed_draw` of its
-/// draw vertices (of which only the normals are read).
+/// `[F]` corners of each face of `model`: `posed` and `crushed` and `phase` (`[U]`, rad) of its
+/// unified vertices, `posed_draw` of its draw vertices (of which only the normals are read).
 pub fn gather(
     model: &Model,
     unified: &Unified,

@@ -1,4 +1,5 @@
-// Stage "Gather": what the corners of each face carry, side by side, so that Render needs vertex attributes only. Twin: gather.rs.
+// Stage "Gather": what the corners of each face carry, side by side, so that Render needs vertex
+// attributes only. Twin: gather.rs.
 
 struct Placed {
     position: vec4f,

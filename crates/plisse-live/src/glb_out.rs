@@ -31,7 +31,10 @@ pub(crate) fn invalid(message: String) -> io::Error {
 pub(crate) fn mesh_attributes(glb: &mut Glb, fine: &Fine) -> io::Result<Value> {
     let count = fine.positions.len();
     if fine.faces.is_empty() || fine.normals.len() != count || fine.uvs.len() != count {
-        return Err(invalid("the mesh has no faces, or not one normal and texture coordinate for each vertex".into()));
+        return Err(invalid(
+            "the mesh has no faces, or not one normal and texture coordinate for each vertex"
+                .into(),
+        ));
     }
     if fine.faces.iter().flatten().any(|&v| v as usize >= count) {
         return Err(invalid("a face names a vertex that is not there".into()));
@@ -40,15 +43,25 @@ pub(crate) fn mesh_attributes(glb: &mut Glb, fine: &Fine) -> io::Result<Value> {
     let normal = glb.vectors(&fine.normals, false, "a normal")?;
     let uvs: Vec<f32> = fine.uvs.iter().flat_map(|uv| [uv.x, uv.y]).collect();
     let uv = glb.floats(&uvs, "VEC2", 2, false, Some(ARRAY_BUFFER), "a texture coordinate")?;
-    let view = glb.view(fine.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect(), Some(ELEMENT_ARRAY_BUFFER));
+    let view = glb.view(
+        fine.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect(),
+        Some(ELEMENT_ARRAY_BUFFER),
+    );
     glb.accessors.push(json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": 3 * fine.faces.len(), "type": "SCALAR"}));
     let indices = glb.accessors.len() - 1;
-    Ok(json!({"attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv}, "indices": indices, "material": 0}))
+    Ok(
+        json!({"attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv}, "indices": indices, "material": 0}),
+    )
 }
 
 impl Glb {
     /// Adds a list of vectors, with its bounds if it holds `positions`; its accessor.
-    pub(crate) fn vectors(&mut self, list: &[Vec3], positions: bool, what: &str) -> io::Result<usize> {
+    pub(crate) fn vectors(
+        &mut self,
+        list: &[Vec3],
+        positions: bool,
+        what: &str,
+    ) -> io::Result<usize> {
         let numbers: Vec<f32> = list.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
         self.floats(&numbers, "VEC3", 3, positions, Some(ARRAY_BUFFER), what)
     }
@@ -58,7 +71,15 @@ impl Glb {
         self.floats(list, "SCALAR", 1, bounds, None, "a key")
     }
 
-    fn floats(&mut self, list: &[f32], kind: &str, width: usize, bounds: bool, target: Option<u32>, what: &str) -> io::Result<usize> {
+    fn floats(
+        &mut self,
+        list: &[f32],
+        kind: &str,
+        width: usize,
+        bounds: bool,
+        target: Option<u32>,
+        what: &str,
+    ) -> io::Result<usize> {
         if let Some(i) = list.iter().position(|x| !x.is_finite()) {
             return Err(invalid(format!("{what} ({}) is not finite", i / width)));
         }
@@ -66,7 +87,11 @@ impl Glb {
         let mut accessor = json!({"bufferView": view, "componentType": FLOAT, "count": list.len() / width, "type": kind});
         if bounds {
             let of = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
-                (0..width).map(|k| list.iter().skip(k).step_by(width).copied().reduce(pick).unwrap_or(0.0)).collect()
+                (0..width)
+                    .map(|k| {
+                        list.iter().skip(k).step_by(width).copied().reduce(pick).unwrap_or(0.0)
+                    })
+                    .collect()
             };
             (accessor["min"], accessor["max"]) = (json!(of(f32::min)), json!(of(f32::max)));
         }
@@ -75,7 +100,8 @@ impl Glb {
     }
 
     fn view(&mut self, bytes: Vec<u8>, target: Option<u32>) -> usize {
-        let mut view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
+        let mut view =
+            json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});
         if let Some(target) = target {
             view["target"] = json!(target);
         }
@@ -85,7 +111,8 @@ impl Glb {
         self.views.len() - 1
     }
 
-    /// A rough, double-sided material with the image `base_colour` (PNG or JPEG bytes; anything else is left out).
+    /// A rough, double-sided material with the image `base_colour` (PNG or JPEG bytes; anything
+    /// else is left out).
     pub(crate) fn material(&mut self, base_colour: Option<&[u8]>) -> Value {
         let mut surface = json!({"metallicFactor": 0.0, "roughnessFactor": 0.8});
         let kind = |bytes: &[u8]| match bytes {
@@ -133,7 +160,11 @@ impl Glb {
         }
         let mut text = serde_json::to_vec(&whole)?;
         text.resize(text.len().next_multiple_of(4), b' ');
-        let length = |n: usize| u32::try_from(n).map_err(|_| invalid("the file is beyond the format's 4 GiB; write fewer frames".into()));
+        let length = |n: usize| {
+            u32::try_from(n).map_err(|_| {
+                invalid("the file is beyond the format's 4 GiB; write fewer frames".into())
+            })
+        };
         let total = length(12 + 8 + text.len() + 8 + self.bytes.len())?;
         out.write_all(b"glTF")?;
         for number in [2, total, length(text.len())?] {

@@ -15,14 +15,16 @@ pub struct LiveOptions {
     pub bias: Vec<Vec3>,
     /// Rounds of relaxation a frame.
     pub rounds: usize,
-    /// Step of each round, see [`crate::relax::relax`]; `rate` × `rounds` ≤ ¼ never jumps more than π/4 a frame.
+    /// Step of each round, see [`crate::relax::relax`]; `rate` × `rounds` ≤ ¼ never jumps more than
+    /// π/4 a frame.
     pub rate: f32,
     /// Rounds before the first frame.
     pub first_rounds: usize,
     /// Crush and Relax run every n-th frame only.
     pub every: usize,
-    /// Whether wrinkles that nobody saw in the last frame take their phases by [`spread`] instead of by Relax alone. It walks the
-    /// mesh in one thread, which is what takes the time on large meshes; without, new wrinkles stay in more bifurcations.
+    /// Whether wrinkles that nobody saw in the last frame take their phases by [`spread`] instead
+    /// of by Relax alone. It walks the mesh in one thread, which is what takes the time on large
+    /// meshes; without, new wrinkles stay in more bifurcations.
     pub spread_new: bool,
     /// Seed of the phases that the first frame starts from.
     pub seed: u64,
@@ -64,12 +66,22 @@ impl LiveState {
     }
 
     /// As [`LiveState::step`]; calls `done` with the name of each stage after it.
-    pub fn step_watched(&mut self, unified: &Unified, pose: &Pose, options: &LiveOptions, mut done: impl FnMut(&'static str)) {
+    pub fn step_watched(
+        &mut self,
+        unified: &Unified,
+        pose: &Pose,
+        options: &LiveOptions,
+        mut done: impl FnMut(&'static str),
+    ) {
         self.posed = skin(&unified.vertices, pose);
         done("skin");
         if self.frame.is_multiple_of(options.every.max(1)) {
             let last_direction = std::mem::take(&mut self.crushed.direction);
-            let input = CrushInput { wavelength_m: &options.wavelength_m, bias: &options.bias, last_direction: &last_direction };
+            let input = CrushInput {
+                wavelength_m: &options.wavelength_m,
+                bias: &options.bias,
+                last_direction: &last_direction,
+            };
             let seen: Vec<bool> = self.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
             self.crushed = crush(unified, &self.posed, &input);
             done("crush");

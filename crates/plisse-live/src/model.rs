@@ -1,4 +1,5 @@
-//! An animated model: vertices as they are drawn, a hierarchy of nodes, clips. Nothing here changes after it is built.
+//! An animated model: vertices as they are drawn, a hierarchy of nodes, clips. Nothing here changes
+//! after it is built.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -7,7 +8,8 @@ use crate::{Mat4, Vec2, Vec3};
 /// Most joints that move one vertex.
 pub const INFLUENCES: usize = 8;
 
-/// Vertices of one set, in structure-of-arrays form: the draw vertices of a model, or its unified ones.
+/// Vertices of one set, in structure-of-arrays form: the draw vertices of a model, or its unified
+/// ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vertices {
     /// `[V]` positions in the rest pose (m).
@@ -46,7 +48,12 @@ pub struct Node {
 
 impl Default for Node {
     fn default() -> Self {
-        Self { parent: None, translation: Vec3::zeros(), rotation: UnitQuaternion::identity(), scale: Vec3::repeat(1.0) }
+        Self {
+            parent: None,
+            translation: Vec3::zeros(),
+            rotation: UnitQuaternion::identity(),
+            scale: Vec3::repeat(1.0),
+        }
     }
 }
 
@@ -83,7 +90,8 @@ pub struct Channel {
     pub interpolation: Interpolation,
     /// `[keys]` times (s), ascending.
     pub times: Vec<f32>,
-    /// `[keys][1 or 3][width]` values; for [`Interpolation::Cubic`] in-tangent, value, out-tangent of each key.
+    /// `[keys][1 or 3][width]` values; for [`Interpolation::Cubic`] in-tangent, value, out-tangent
+    /// of each key.
     pub values: Vec<f32>,
 }
 
@@ -112,7 +120,8 @@ pub struct Model {
     pub draw: Vertices,
     /// `[V]` texture coordinates of the draw vertices.
     pub uvs: Vec<Vec2>,
-    /// `[V]` share (0..1) of the given wavelength at each draw vertex, from the file's vertex colours; see [`crate::wavelength`].
+    /// `[V]` share (0..1) of the given wavelength at each draw vertex, from the file's vertex
+    /// colours; see [`crate::wavelength`].
     pub wavelength_share: Option<Vec<f32>>,
     /// `[F][3]` draw vertices of each face, counter-clockwise from outside.
     pub faces: Vec<[u32; 3]>,
@@ -188,7 +197,8 @@ pub fn order_nodes(nodes: &[Node]) -> Option<Vec<usize>> {
     (order.len() == nodes.len()).then_some(order)
 }
 
-/// Value of `channel` at `time_s`, held before the first and after the last key. Rotations come out normalised.
+/// Value of `channel` at `time_s`, held before the first and after the last key. Rotations come out
+/// normalised.
 pub fn sample(channel: &Channel, time_s: f32) -> Vec<f32> {
     let width = match channel.target {
         Target::Translation(_) | Target::Scale(_) => 3,

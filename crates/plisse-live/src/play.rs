@@ -10,7 +10,8 @@ use crate::unify::Unified;
 /// Frames a second at which clips are run through.
 pub const RATE: f32 = 60.0;
 
-/// The clip of `model` called `name`, or its first one without a name; `None` for a model that has none.
+/// The clip of `model` called `name`, or its first one without a name; `None` for a model that has
+/// none.
 ///
 /// # Errors
 /// [`Error::Value`] for a name that no clip has.
@@ -18,9 +19,15 @@ pub fn clip<'a>(model: &'a Model, name: Option<&str>) -> Result<Option<&'a Clip>
     let found = model.clip(name);
     if let (Some(name), None) = (name, found) {
         let known: Vec<&str> = model.clips.iter().map(|c| c.name.as_str()).collect();
-        let known =
-            if known.is_empty() { "it has none; leave the flag out".to_owned() } else { format!("give one of {}", known.join(", ")) };
-        return Err(Error::value("clip", format!("{} has no clip \"{name}\"; {known}", model.name)));
+        let known = if known.is_empty() {
+            "it has none; leave the flag out".to_owned()
+        } else {
+            format!("give one of {}", known.join(", "))
+        };
+        return Err(Error::value(
+            "clip",
+            format!("{} has no clip \"{name}\"; {known}", model.name),
+        ));
     }
     Ok(found)
 }
@@ -42,7 +49,12 @@ impl<'a> Player<'a> {
     ///
     /// # Errors
     /// As [`clip`].
-    pub fn new(model: &'a Model, unified: &'a Unified, options: &'a LiveOptions, clip: Option<&str>) -> Result<Self> {
+    pub fn new(
+        model: &'a Model,
+        unified: &'a Unified,
+        options: &'a LiveOptions,
+        clip: Option<&str>,
+    ) -> Result<Self> {
         let found = self::clip(model, clip)?;
         Ok(Self { model, unified, options, clip: found, time_s: 0.0, state: LiveState::default() })
     }
@@ -52,7 +64,8 @@ impl<'a> Player<'a> {
         self.clip
     }
 
-    /// Plays on to `time_s` (s, not before the last one), in steps of at most 1/60 s; posed draw vertices.
+    /// Plays on to `time_s` (s, not before the last one), in steps of at most 1/60 s; posed draw
+    /// vertices.
     pub fn play_to(&mut self, time_s: f32) -> Skinned {
         if self.state.frame == 0 {
             self.state.step(self.unified, &pose(self.model, self.clip, 0.0), self.options);

@@ -1,4 +1,5 @@
-//! Profiles of wrinkles (6.3): even, 2π-periodic functions, stored as the GPU has them, 32 values that wrap and are joined linearly.
+//! Profiles of wrinkles (6.3): even, 2π-periodic functions, stored as the GPU has them, 32 values
+//! that wrap and are joined linearly.
 
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
@@ -13,7 +14,8 @@ pub const ENTRIES: usize = 32;
 pub struct Profile {
     /// `[32]` height at phase 2π·i/32, in [−1, 1].
     pub f: [f32; ENTRIES],
-    /// `[32]` derivative by the phase (1/rad): at each entry the mean of the slopes of the two pieces of `f` that meet there.
+    /// `[32]` derivative by the phase (1/rad): at each entry the mean of the slopes of the two
+    /// pieces of `f` that meet there.
     pub df: [f32; ENTRIES],
 }
 
@@ -22,7 +24,9 @@ impl Profile {
     pub fn new(curve: impl Fn(f32) -> f32) -> Self {
         let step = TAU / ENTRIES as f32;
         let f: [f32; ENTRIES] = std::array::from_fn(|i| curve(step * i.min(ENTRIES - i) as f32));
-        let df = std::array::from_fn(|i| (f[(i + 1) % ENTRIES] - f[(i + ENTRIES - 1) % ENTRIES]) / (2.0 * step));
+        let df = std::array::from_fn(|i| {
+            (f[(i + 1) % ENTRIES] - f[(i + ENTRIES - 1) % ENTRIES]) / (2.0 * step)
+        });
         Self { f, df }
     }
 
@@ -41,16 +45,26 @@ impl Profile {
         Self::new(|x| 2.0 * (0.5 * x).cos() - 1.0)
     }
 
-    /// Heights from crest (phase 0) to trough (phase π), evenly spaced, joined linearly. At least two; they should lie in [−1, 1].
+    /// Heights from crest (phase 0) to trough (phase π), evenly spaced, joined linearly. At least
+    /// two; they should lie in [−1, 1].
     ///
     /// # Errors
     /// [`Error::Value`] for fewer than two heights or one that is no number.
     pub fn from_list(heights: &[f32]) -> Result<Self> {
         if heights.len() < 2 {
-            return Err(Error::value("profile", format!("{} heights are too few; give at least two, from crest to trough", heights.len())));
+            return Err(Error::value(
+                "profile",
+                format!(
+                    "{} heights are too few; give at least two, from crest to trough",
+                    heights.len()
+                ),
+            ));
         }
         if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
-            return Err(Error::value("profile", format!("height {i} is {}; give numbers between -1 and 1", heights[i])));
+            return Err(Error::value(
+                "profile",
+                format!("height {i} is {}; give numbers between -1 and 1", heights[i]),
+            ));
         }
         Ok(Self::new(|x| {
             let at = (x / PI).clamp(0.0, 1.0) * (heights.len() - 1) as f32;
@@ -59,7 +73,8 @@ impl Profile {
         }))
     }
 
-    /// "sine", "accordion", "pencil", or a list of heights as text (separated by spaces, commas or line ends).
+    /// "sine", "accordion", "pencil", or a list of heights as text (separated by spaces, commas or
+    /// line ends).
     ///
     /// # Errors
     /// As [`Profile::from_list`]; also for a word that is neither a name nor a number.
@@ -72,7 +87,12 @@ impl Profile {
         }
         let words = text.split([' ', ',', '\n', '\r', '\t']).filter(|w| !w.is_empty());
         let number = |w: &str| {
-            w.parse().map_err(|_| Error::value("profile", format!("\"{w}\" is neither sine, accordion, pencil nor a number; correct it")))
+            w.parse().map_err(|_| {
+                Error::value(
+                    "profile",
+                    format!("\"{w}\" is neither sine, accordion, pencil nor a number; correct it"),
+                )
+            })
         };
         Self::from_list(&words.map(number).collect::<Result<Vec<f32>>>()?)
     }
@@ -89,14 +109,19 @@ impl Profile {
         })
     }
 
-    /// What a user asked for: the name of a profile, heights, or else the path of a file with either.
+    /// What a user asked for: the name of a profile, heights, or else the path of a file with
+    /// either.
     ///
     /// # Errors
     /// As [`Profile::read`] and [`Profile::from_list`].
     pub fn open(text: &str) -> Result<Self> {
         let mut words = text.split([' ', ',']).filter(|w| !w.is_empty()).peekable();
         let heights = words.peek().is_some() && words.all(|w| w.parse::<f32>().is_ok());
-        if heights || ["sine", "accordion", "pencil"].contains(&text) { Self::parse(text) } else { Self::read(Path::new(text)) }
+        if heights || ["sine", "accordion", "pencil"].contains(&text) {
+            Self::parse(text)
+        } else {
+            Self::read(Path::new(text))
+        }
     }
 
     /// f and f′ at `phase` (rad), linear between entries.
@@ -116,19 +141,32 @@ mod tests {
 
     #[test]
     fn the_derivative_is_that_of_what_is_stored() {
-        for profile in [Profile::sine(), Profile::accordion(), Profile::pencil(), Profile::from_list(&[1.0, 0.8, -0.3, -1.0]).unwrap()] {
+        for profile in [
+            Profile::sine(),
+            Profile::accordion(),
+            Profile::pencil(),
+            Profile::from_list(&[1.0, 0.8, -0.3, -1.0]).unwrap(),
+        ] {
             let step = TAU / ENTRIES as f32;
             for i in 0..ENTRIES {
                 let x = step * i as f32;
                 let slope = (profile.at(x + step).0 - profile.at(x - step).0) / (2.0 * step);
                 assert!((profile.at(x).1 - slope).abs() < 1e-4, "{i}");
-                assert!((profile.at(x).0 - profile.at(-x).0).abs() < 1e-5 && (profile.at(x).1 + profile.at(-x).1).abs() < 1e-4);
+                assert!(
+                    (profile.at(x).0 - profile.at(-x).0).abs() < 1e-5
+                        && (profile.at(x).1 + profile.at(-x).1).abs() < 1e-4
+                );
             }
         }
-        let worst = (0..1000).map(|i| i as f32 * 0.01).map(|x| (Profile::sine().at(x).1 + x.sin()).abs()).fold(0.0, f32::max);
+        let worst = (0..1000)
+            .map(|i| i as f32 * 0.01)
+            .map(|x| (Profile::sine().at(x).1 + x.sin()).abs())
+            .fold(0.0, f32::max);
         assert!(worst < 0.012, "{worst}");
         // Shown to fail: a derivative of twice the frequency is far off.
-        assert!((0..32).any(|i| (Profile::sine().at(i as f32).1 + (2.0 * i as f32).sin()).abs() > 0.5));
+        assert!(
+            (0..32).any(|i| (Profile::sine().at(i as f32).1 + (2.0 * i as f32).sin()).abs() > 0.5)
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-// Stage "Relax" (5.2, eq. 6): one round of descent of the phases towards agreement with their neighbours. Twin: relax.rs.
+// Stage "Relax" (5.2, eq. 6): one round of descent of the phases towards agreement with their
+// neighbours. Twin: relax.rs.
 
 const TAU = 6.283185307;
 // As in relax.rs.

@@ -1,7 +1,8 @@
-//! Stage "Render" (5.1, 6): height, normal and texture shift at a point of a face, from what its corners carry.
+//! Stage "Render" (5.1, 6): height, normal and texture shift at a point of a face, from what its
+//! corners carry.
 //!
-//! Everything that is linear over the face is computed per corner ([`FaceWaves::new`], the vertex stage) and blended per
-//! point ([`FaceWaves::at`], the pixel stage).
+//! Everything that is linear over the face is computed per corner ([`FaceWaves::new`], the vertex
+//! stage) and blended per point ([`FaceWaves::at`], the pixel stage).
 
 use crate::profile::Profile;
 use crate::{Vec2, Vec3};
@@ -30,7 +31,8 @@ pub struct FaceWaves {
     pub corners: [Corner; 3],
     /// `[wave][corner]` argument of each corner's wave at each corner (rad).
     pub arguments: [[f32; 3]; 3],
-    /// Gradients of u and v by position (1/m), tangential to the face, eq. 11; zero for faces without an area.
+    /// Gradients of u and v by position (1/m), tangential to the face, eq. 11; zero for faces
+    /// without an area.
     pub uv_gradient: [Vec3; 2],
 }
 
@@ -54,15 +56,17 @@ pub struct Point {
 impl FaceWaves {
     /// Prepares a face.
     pub fn new(corners: [Corner; 3]) -> Self {
-        let argument = |wave: &Corner, at: &Corner| wave.wave.dot(&(at.position - wave.position)) + wave.phase;
+        let argument =
+            |wave: &Corner, at: &Corner| wave.wave.dot(&(at.position - wave.position)) + wave.phase;
         let arguments = corners.map(|wave| corners.map(|at| argument(&wave, &at)));
         let [a, b, c] = corners;
         let (side_b, side_c) = (b.position - a.position, c.position - a.position);
-        let uv_gradient = side_b.cross(&side_c).try_normalize(1e-30).map_or([Vec3::zeros(); 2], |n| {
-            let area = n.dot(&side_c.cross(&side_b));
-            let (n_c, b_n) = (n.cross(&side_c), side_b.cross(&n));
-            [0, 1].map(|k| ((b.uv[k] - a.uv[k]) * n_c + (c.uv[k] - a.uv[k]) * b_n) / area)
-        });
+        let uv_gradient =
+            side_b.cross(&side_c).try_normalize(1e-30).map_or([Vec3::zeros(); 2], |n| {
+                let area = n.dot(&side_c.cross(&side_b));
+                let (n_c, b_n) = (n.cross(&side_c), side_b.cross(&n));
+                [0, 1].map(|k| ((b.uv[k] - a.uv[k]) * n_c + (c.uv[k] - a.uv[k]) * b_n) / area)
+            });
         Self { corners, arguments, uv_gradient }
     }
 
@@ -75,24 +79,29 @@ impl FaceWaves {
             height_m += weights[k] * corner.amplitude_m * f;
             gradient += corner.wave * (weights[k] * corner.amplitude_m * df);
         }
-        let blend = |of: fn(&Corner) -> Vec3| (0..3).fold(Vec3::zeros(), |sum, k| sum + of(&self.corners[k]) * weights[k]);
+        let blend = |of: fn(&Corner) -> Vec3| {
+            (0..3).fold(Vec3::zeros(), |sum, k| sum + of(&self.corners[k]) * weights[k])
+        };
         let base_normal = blend(|c| c.normal).try_normalize(1e-20).unwrap_or_else(Vec3::z);
         let normal = (base_normal - gradient).try_normalize(1e-20).unwrap_or(base_normal);
         let uv = (0..3).fold(Vec2::zeros(), |sum, k| sum + self.corners[k].uv * weights[k]);
         Point { position: blend(|c| c.position), height_m, gradient, base_normal, normal, uv }
     }
 
-    /// Texture coordinates seen at `point` by a viewer in direction `to_viewer` (any length), eqs. 10 and 11.
+    /// Texture coordinates seen at `point` by a viewer in direction `to_viewer` (any length), eqs.
+    /// 10 and 11.
     pub fn shifted_uv(&self, point: &Point, to_viewer: &Vec3) -> Vec2 {
         let shift = parallax(&point.base_normal, to_viewer, point.height_m);
         point.uv + Vec2::new(self.uv_gradient[0].dot(&shift), self.uv_gradient[1].dot(&shift))
     }
 }
 
-/// Shift Δx′ (m) of the point that is seen through the height field, smoothly cut off at grazing angles, eq. 10.
+/// Shift Δx′ (m) of the point that is seen through the height field, smoothly cut off at grazing
+/// angles, eq. 10.
 pub fn parallax(normal: &Vec3, to_viewer: &Vec3, height_m: f32) -> Vec3 {
     let up = to_viewer.dot(normal);
-    (to_viewer - normal * up) * (up / (up * up + 0.1 * to_viewer.norm_squared()).max(1e-30) * height_m)
+    (to_viewer - normal * up)
+        * (up / (up * up + 0.1 * to_viewer.norm_squared()).max(1e-30) * height_m)
 }
 
 #[cfg(test)]
@@ -124,7 +133,8 @@ mod tests {
         }
         // Shown to fail: another phase is another height.
         assert!(
-            (face.at([0.2, 0.3, 0.5], &Profile::sine()).height_m - self::face(wave, 2.0).at([0.2, 0.3, 0.5], &Profile::sine()).height_m)
+            (face.at([0.2, 0.3, 0.5], &Profile::sine()).height_m
+                - self::face(wave, 2.0).at([0.2, 0.3, 0.5], &Profile::sine()).height_m)
                 .abs()
                 > 1e-3
         );
@@ -135,7 +145,8 @@ mod tests {
         let face = face(Vec3::new(7.0, -3.0, 0.0), 0.0);
         assert!((face.uv_gradient[0] - Vec3::new(3.0, 1.0, 0.0)).norm() < 1e-5);
         assert!((face.uv_gradient[1] - Vec3::new(0.0, -2.0, 0.0)).norm() < 1e-5);
-        // Seen almost from above, eq. 10 is eq. 9 but for a factor 1/1.1: the ray at height h is off by h·tan(angle).
+        // Seen almost from above, eq. 10 is eq. 9 but for a factor 1/1.1: the ray at height h is
+        // off by h·tan(angle).
         let shift = parallax(&Vec3::z(), &Vec3::new(0.01, 0.0, 1.0), 0.1);
         assert!((shift - Vec3::new(0.001 / 1.1, 0.0, 0.0)).norm() < 1e-6, "{shift}");
     }

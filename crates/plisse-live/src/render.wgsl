@@ -1,5 +1,5 @@
-// Stage "Render" (5.1, 6): one instance a face, three vertices each; reads vertex attributes only, so that it also runs where there are
-// no storage buffers (WebGL 2). Twin: render.rs and shade.rs.
+// Stage "Render" (5.1, 6): one instance a face, three vertices each; reads vertex attributes only,
+// so that it also runs where there are no storage buffers (WebGL 2). Twin: render.rs and shade.rs.
 
 const TAU = 6.283185307;
 

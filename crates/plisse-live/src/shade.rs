@@ -1,4 +1,5 @@
-//! The light of stage "Render": one lamp, sky and ground, and a faint sheen. Linear colours, 1 being white. Twin of `shade` in render.wgsl.
+//! The light of stage "Render": one lamp, sky and ground, and a faint sheen. Linear colours, 1
+//! being white. Twin of `shade` in render.wgsl.
 
 use crate::Vec3;
 
@@ -11,7 +12,8 @@ pub struct Light {
     pub up: Vec3,
 }
 
-/// Linear colour of a point of colour `albedo` with unit normal `normal`, seen from the unit direction `to_viewer`.
+/// Linear colour of a point of colour `albedo` with unit normal `normal`, seen from the unit
+/// direction `to_viewer`.
 pub fn shade(albedo: Vec3, normal: &Vec3, to_viewer: &Vec3, light: &Light) -> Vec3 {
     let sky = 0.5 + 0.5 * normal.dot(&light.up);
     let ambient = Vec3::new(0.10, 0.09, 0.08).lerp(&Vec3::new(0.28, 0.30, 0.34), sky);

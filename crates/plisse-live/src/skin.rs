@@ -1,7 +1,7 @@
 //! Stage "Skin" (4.1): nodes → palette → posed positions and normals.
 //!
-//! Departs from the paper in one point: normals are turned by the cofactors of the blended matrix, not by the matrix itself, so
-//! that they stay perpendicular where joints stretch or squeeze.
+//! Departs from the paper in one point: normals are turned by the cofactors of the blended matrix,
+//! not by the matrix itself, so that they stay perpendicular where joints stretch or squeeze.
 
 use rayon::prelude::*;
 
@@ -26,7 +26,8 @@ pub struct Skinned {
     pub normals: Vec<Vec3>,
 }
 
-/// The pose of `model` at `time_s` of `clip` (held after its end); without a clip, the pose its nodes stand in.
+/// The pose of `model` at `time_s` of `clip` (held after its end); without a clip, the pose its
+/// nodes stand in.
 pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
     let mut nodes = model.nodes.clone();
     let mut morph_weights = model.morph_weights.clone();
@@ -36,16 +37,25 @@ pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
             Target::Translation(n) => nodes[n].translation = Vec3::from_column_slice(&value),
             Target::Rotation(n) => nodes[n].rotation = quaternion(&value),
             Target::Scale(n) => nodes[n].scale = Vec3::from_column_slice(&value),
-            Target::Weights(first, count) => morph_weights[first..first + count].copy_from_slice(&value),
+            Target::Weights(first, count) => {
+                morph_weights[first..first + count].copy_from_slice(&value)
+            }
         }
     }
     let mut world = vec![Mat4::identity(); nodes.len()];
     for &n in &model.node_order {
         let node = &nodes[n];
-        let local = Mat4::new_translation(&node.translation) * node.rotation.to_homogeneous() * Mat4::new_nonuniform_scaling(&node.scale);
+        let local = Mat4::new_translation(&node.translation)
+            * node.rotation.to_homogeneous()
+            * Mat4::new_nonuniform_scaling(&node.scale);
         world[n] = node.parent.map_or(local, |p| world[p] * local);
     }
-    let palette = model.palette_nodes.iter().zip(&model.inverse_binds).map(|(&n, bind)| world[n] * bind).collect();
+    let palette = model
+        .palette_nodes
+        .iter()
+        .zip(&model.inverse_binds)
+        .map(|(&n, bind)| world[n] * bind)
+        .collect();
     Pose { palette, morph_weights }
 }
 
@@ -73,6 +83,7 @@ pub fn skin(vertices: &Vertices, pose: &Pose) -> Skinned {
         let sign = if b.cross(&c).dot(&a) < 0.0 { -1.0 } else { 1.0 };
         (position, (turned * sign).try_normalize(1e-30).unwrap_or_else(Vec3::zeros))
     };
-    let (positions, normals) = (0..vertices.positions.len()).into_par_iter().with_min_len(CHUNK).map(place).unzip();
+    let (positions, normals) =
+        (0..vertices.positions.len()).into_par_iter().with_min_len(CHUNK).map(place).unzip();
     Skinned { positions, normals }
 }

@@ -1,4 +1,5 @@
-//! Base colour images: decoded from files or woven here, sampled like the GPU does it without mip levels.
+//! Base colour images: decoded from files or woven here, sampled like the GPU does it without mip
+//! levels.
 
 use plisse::{Error, Result};
 
@@ -8,7 +9,8 @@ use crate::{Vec2, Vec3};
 /// Largest side (pixels) that every GPU takes.
 const LARGEST: usize = 4096;
 
-/// An sRGB image, rows from the top; texture coordinates (0, 0) are its upper left corner, as in glTF. It repeats.
+/// An sRGB image, rows from the top; texture coordinates (0, 0) are its upper left corner, as in
+/// glTF. It repeats.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
     /// Width (pixels).
@@ -25,7 +27,8 @@ impl Texture {
         Self { width: 1, height: 1, rgba: vec![[r, g, b, 255]] }
     }
 
-    /// A checked cloth, eight checks along each side, for models without an image: it shows where the texture shifts.
+    /// A checked cloth, eight checks along each side, for models without an image: it shows where
+    /// the texture shifts.
     pub fn checked() -> Self {
         let size = 512;
         let band = |i: usize| (i / 32).is_multiple_of(2);
@@ -36,7 +39,11 @@ impl Texture {
             (false, false) => [216, 186, 164, 255],
             _ => [202, 164, 143, 255],
         };
-        Self { width: size, height: size, rgba: (0..size * size).map(|i| colour(i % size, i / size)).collect() }
+        Self {
+            width: size,
+            height: size,
+            rgba: (0..size * size).map(|i| colour(i % size, i / size)).collect(),
+        }
     }
 
     /// Decodes a PNG or JPEG image; larger ones than 4,096 pixels are halved until they fit.
@@ -44,9 +51,14 @@ impl Texture {
     /// # Errors
     /// [`Error::Mesh`] at `place` if it is neither, or broken.
     pub fn decode(place: &str, bytes: &[u8]) -> Result<Self> {
-        let decoded = if bytes.starts_with(b"\x89PNG") { from_png(bytes) } else { from_jpeg(bytes) };
-        let mut texture =
-            decoded.map_err(|e| Error::mesh(place, format!("its image cannot be read ({e}); save it as PNG or JPEG again")))?;
+        let decoded =
+            if bytes.starts_with(b"\x89PNG") { from_png(bytes) } else { from_jpeg(bytes) };
+        let mut texture = decoded.map_err(|e| {
+            Error::mesh(
+                place,
+                format!("its image cannot be read ({e}); save it as PNG or JPEG again"),
+            )
+        })?;
         while texture.width.max(texture.height) > LARGEST {
             texture = texture.halved();
         }
@@ -56,7 +68,9 @@ impl Texture {
     /// Half as large; each pixel is the mean of four.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let at = |x: usize, y: usize| self.rgba[y.min(self.height - 1) * self.width + x.min(self.width - 1)];
+        let at = |x: usize, y: usize| {
+            self.rgba[y.min(self.height - 1) * self.width + x.min(self.width - 1)]
+        };
         let mean = |i: usize| {
             let (x, y) = (2 * (i % width), 2 * (i / width));
             let four = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
@@ -83,13 +97,27 @@ impl Texture {
     }
 }
 
-/// An image with `channels` bytes a pixel: grey or red, green, blue, and perhaps opacity, which is left out.
-fn from_channels(width: usize, height: usize, channels: usize, bytes: &[u8]) -> std::result::Result<Texture, String> {
-    if !(1..=4).contains(&channels) || width * height == 0 || bytes.len() < width * height * channels {
+/// An image with `channels` bytes a pixel: grey or red, green, blue, and perhaps opacity, which is
+/// left out.
+fn from_channels(
+    width: usize,
+    height: usize,
+    channels: usize,
+    bytes: &[u8],
+) -> std::result::Result<Texture, String> {
+    if !(1..=4).contains(&channels)
+        || width * height == 0
+        || bytes.len() < width * height * channels
+    {
         return Err(format!("{width} x {height} pixels of {channels} channels"));
     }
-    let colour = |p: &[u8]| if channels < 3 { [p[0], p[0], p[0], 255] } else { [p[0], p[1], p[2], 255] };
-    Ok(Texture { width, height, rgba: bytes.chunks_exact(channels).take(width * height).map(colour).collect() })
+    let colour =
+        |p: &[u8]| if channels < 3 { [p[0], p[0], p[0], 255] } else { [p[0], p[1], p[2], 255] };
+    Ok(Texture {
+        width,
+        height,
+        rgba: bytes.chunks_exact(channels).take(width * height).map(colour).collect(),
+    })
 }
 
 fn from_png(bytes: &[u8]) -> std::result::Result<Texture, String> {
@@ -116,20 +144,31 @@ mod tests {
     #[test]
     fn sampling_is_bilinear_and_repeats() {
         let texture = Texture { width: 2, height: 1, rgba: vec![[0, 0, 0, 255], [255; 4]] };
-        for (u, value) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (1.0, 0.5), (-0.25, 1.0), (3.25, 0.0)] {
+        for (u, value) in
+            [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (1.0, 0.5), (-0.25, 1.0), (3.25, 0.0)]
+        {
             assert!((texture.at(&Vec2::new(u, 0.3)).x - value).abs() < 1e-5, "{u}");
         }
         for broken in [&b"no image"[..], b"", b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff\xe0"] {
             let text = Texture::decode("x", broken).unwrap_err().to_string();
-            assert!(text.starts_with("x: its image cannot be read") && text.ends_with("again"), "{text}");
+            assert!(
+                text.starts_with("x: its image cannot be read") && text.ends_with("again"),
+                "{text}"
+            );
         }
-        let jpeg = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/images/live/square.jpg")).unwrap();
+        let jpeg = std::fs::read(concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../docs/images/live/square.jpg"
+        ))
+        .unwrap();
         let picture = Texture::decode("square.jpg", &jpeg).unwrap();
         assert_eq!((picture.width, picture.height), (1380, 312));
         // Its corner is the background, but for the losses of JPEG.
         let corner = picture.rgba[0];
         assert!((0..3).all(|c| corner[c].abs_diff(crate::draw::BACKGROUND[c]) < 8), "{corner:?}");
-        let small = Texture { width: 3, height: 2, rgba: (0..6).map(|i| [40 * i, 0, 255, 255]).collect() }.halved();
+        let small =
+            Texture { width: 3, height: 2, rgba: (0..6).map(|i| [40 * i, 0, 255, 255]).collect() }
+                .halved();
         assert_eq!((small.width, small.height, small.rgba), (1, 1, vec![[80, 0, 255, 255]]));
         assert!(Texture::checked().rgba.len() == 512 * 512);
     }

@@ -1,7 +1,9 @@
-//! Draw vertices joined by rest position, for the simulation (section 3 of [Loviscach 2006]), and who neighbours whom.
+//! Draw vertices joined by rest position, for the simulation (section 3 of [Loviscach 2006]), and
+//! who neighbours whom.
 //!
-//! A texture seam splits vertices; wrinkles must not see it. Vertices at one place become one, whatever their normals, texture
-//! coordinates and weights: the first draw vertex there lends its weights.
+//! A texture seam splits vertices; wrinkles must not see it. Vertices at one place become one,
+//! whatever their normals, texture coordinates and weights: the first draw vertex there lends its
+//! weights.
 
 use std::collections::HashMap;
 
@@ -24,13 +26,16 @@ pub struct Unified {
 }
 
 impl Unified {
-    /// Unifies `model`'s draw vertices that are less than `tolerance` (a share of the bounding box's diagonal; 1e-5 does for
-    /// most files) apart.
+    /// Unifies `model`'s draw vertices that are less than `tolerance` (a share of the bounding
+    /// box's diagonal; 1e-5 does for most files) apart.
     pub fn new(model: &Model, tolerance: f32) -> Self {
         let draw = &model.draw;
         let (vertex_of_draw, first) = join(&draw.positions, tolerance);
-        let pick = |list: &[Vec3]| -> Vec<Vec3> { if list.is_empty() { Vec::new() } else { first.iter().map(|&v| list[v]).collect() } };
-        let faces: Vec<[u32; 3]> = model.faces.iter().map(|f| f.map(|v| vertex_of_draw[v as usize])).collect();
+        let pick = |list: &[Vec3]| -> Vec<Vec3> {
+            if list.is_empty() { Vec::new() } else { first.iter().map(|&v| list[v]).collect() }
+        };
+        let faces: Vec<[u32; 3]> =
+            model.faces.iter().map(|f| f.map(|v| vertex_of_draw[v as usize])).collect();
         let positions = pick(&draw.positions);
         let normals = vertex_normals(&positions, &faces);
         let vertices = Vertices {
@@ -38,7 +43,11 @@ impl Unified {
             normals,
             joints: first.iter().map(|&v| draw.joints[v]).collect(),
             weights: first.iter().map(|&v| draw.weights[v]).collect(),
-            morphs: draw.morphs.iter().map(|m| Morph { positions: pick(&m.positions), normals: pick(&m.normals) }).collect(),
+            morphs: draw
+                .morphs
+                .iter()
+                .map(|m| Morph { positions: pick(&m.positions), normals: pick(&m.normals) })
+                .collect(),
         };
         let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(6 * faces.len());
         for face in &faces {
@@ -58,7 +67,13 @@ impl Unified {
         for v in 0..first.len() {
             starts[v + 1] += starts[v];
         }
-        Self { vertices, vertex_of_draw, faces, starts, neighbours: pairs.iter().map(|p| p[1]).collect() }
+        Self {
+            vertices,
+            vertex_of_draw,
+            faces,
+            starts,
+            neighbours: pairs.iter().map(|p| p[1]).collect(),
+        }
     }
 
     /// Number of vertices.
@@ -72,8 +87,9 @@ impl Unified {
     }
 }
 
-/// Gives every draw vertex of `model` that has no normal that of its unified vertex: smooth, where glTF asks for flat
-/// faces, because a coarse mesh under wrinkles stands for a smooth surface (section 6.1 interpolates normals).
+/// Gives every draw vertex of `model` that has no normal that of its unified vertex: smooth, where
+/// glTF asks for flat faces, because a coarse mesh under wrinkles stands for a smooth surface
+/// (section 6.1 interpolates normals).
 pub fn fill_normals(model: &mut Model, unified: &Unified) {
     for (v, normal) in model.draw.normals.iter_mut().enumerate() {
         if normal.norm_squared() < 0.25 {
@@ -82,7 +98,8 @@ pub fn fill_normals(model: &mut Model, unified: &Unified) {
     }
 }
 
-/// Unit normals of vertices, means of their faces weighted by area; zero where there is no face with an area.
+/// Unit normals of vertices, means of their faces weighted by area; zero where there is no face
+/// with an area.
 pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
     let mut normals = vec![Vec3::zeros(); positions.len()];
     for face in faces {
@@ -93,19 +110,22 @@ pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
     normals.iter().map(|n| n.try_normalize(1e-30).unwrap_or_else(Vec3::zeros)).collect()
 }
 
-/// `[V]` group of each position, and `[groups]` the first position of each. Groups are counted in the order of their first members.
+/// `[V]` group of each position, and `[groups]` the first position of each. Groups are counted in
+/// the order of their first members.
 fn join(positions: &[Vec3], tolerance: f32) -> (Vec<u32>, Vec<usize>) {
     let low = positions.iter().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
     let high = positions.iter().fold(Vec3::repeat(f32::NEG_INFINITY), |a, p| a.sup(p));
     let reach = ((high - low).norm() * tolerance).max(f32::MIN_POSITIVE);
-    let cell = |p: &Vec3| [0, 1, 2].map(|k| (f64::from(p[k] - low[k]) / f64::from(reach)).floor() as i64);
+    let cell =
+        |p: &Vec3| [0, 1, 2].map(|k| (f64::from(p[k] - low[k]) / f64::from(reach)).floor() as i64);
     let mut firsts_in_cell: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
     let (mut groups, mut first) = (Vec::with_capacity(positions.len()), Vec::<usize>::new());
     for (v, p) in positions.iter().enumerate() {
         let here = cell(p);
         let mut found: Option<u32> = None;
         for shift in 0..27 {
-            let near = [here[0] + shift % 3 - 1, here[1] + shift / 3 % 3 - 1, here[2] + shift / 9 - 1];
+            let near =
+                [here[0] + shift % 3 - 1, here[1] + shift / 3 % 3 - 1, here[2] + shift / 9 - 1];
             for &g in firsts_in_cell.get(&near).into_iter().flatten() {
                 if (positions[first[g as usize]] - p).norm() <= reach {
                     found = Some(found.map_or(g, |f| f.min(g)));

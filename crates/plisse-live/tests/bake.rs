@@ -18,7 +18,15 @@ fn the_contracted_square_bakes_to_the_waves_it_draws() {
     let mut player = Player::new(&model, &unified, &options, Some("contract")).unwrap();
     let draw = player.play_to(2.0);
     let n = 256;
-    let baked = bake::bake(&model, &unified, &draw, &player.state, &Profile::sine(), &Options { size: n, padding: 4 }).unwrap();
+    let baked = bake::bake(
+        &model,
+        &unified,
+        &draw,
+        &player.state,
+        &Profile::sine(),
+        &Options { size: n, padding: 4 },
+    )
+    .unwrap();
     assert_eq!((baked.overlapping, baked.missed_faces), (0, 0));
     // Every texel against the face that is drawn there.
     let faces = bake::faces(&model, &unified, &draw, &player.state);
@@ -49,14 +57,26 @@ fn what_cannot_be_baked_is_told() {
     let mut model = models::sleeve();
     let unified = Unified::new(&model, 1e-5);
     let options = LiveOptions::new(0.03);
-    assert!(Player::new(&model, &unified, &options, Some("jump")).unwrap_err().to_string().contains("give one of bend"));
+    assert!(
+        Player::new(&model, &unified, &options, Some("jump"))
+            .unwrap_err()
+            .to_string()
+            .contains("give one of bend")
+    );
     let mut player = Player::new(&model, &unified, &options, None).unwrap();
     assert_eq!(player.clip().unwrap().name, "bend");
     let draw = player.play_to(0.5);
     assert_eq!(player.state.frame, 31);
     let with = |uv: fn(Vec2) -> Vec2, model: &mut plisse_live::model::Model| {
         model.uvs.iter_mut().for_each(|x| *x = uv(*x));
-        bake::bake(model, &unified, &draw, &player.state, &Profile::sine(), &Options { size: 32, padding: 1 })
+        bake::bake(
+            model,
+            &unified,
+            &draw,
+            &player.state,
+            &Profile::sine(),
+            &Options { size: 32, padding: 1 },
+        )
     };
     assert!(with(|uv| uv, &mut model).is_ok());
     let message = with(|uv| uv * 2.0, &mut model).unwrap_err().to_string();

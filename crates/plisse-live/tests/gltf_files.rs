@@ -58,7 +58,10 @@ fn sound() -> (Value, Vec<u8>) {
 
 fn sentence(name: &str, file: &[u8]) -> String {
     let message = from_bytes("model.glb", file, None).expect_err(name).to_string();
-    assert!(message.starts_with("model.glb: ") && message.contains(';') && !message.contains('\n'), "{name}: {message}");
+    assert!(
+        message.starts_with("model.glb: ") && message.contains(';') && !message.contains('\n'),
+        "{name}: {message}"
+    );
     message
 }
 
@@ -68,9 +71,19 @@ fn runs(file: &[u8]) {
     let unified = Unified::new(&model, 1e-5);
     let mut live = LiveState::default();
     for frame in 0..5 {
-        live.step(&unified, &pose(&model, model.clip(None), 0.2 * frame as f32), &LiveOptions::new(0.3));
+        live.step(
+            &unified,
+            &pose(&model, model.clip(None), 0.2 * frame as f32),
+            &LiveOptions::new(0.3),
+        );
         assert!(live.phase.iter().chain(&live.crushed.amplitude_m).all(|x| x.is_finite()));
-        assert!(live.posed.positions.iter().chain(&live.crushed.wave).all(|x| x.iter().all(|x| x.is_finite())));
+        assert!(
+            live.posed
+                .positions
+                .iter()
+                .chain(&live.crushed.wave)
+                .all(|x| x.iter().all(|x| x.is_finite()))
+        );
     }
 }
 
@@ -81,7 +94,10 @@ fn a_sound_file_is_posed_as_its_clip_says() {
     assert_eq!((model.draw.positions.len(), model.faces.len(), model.clips.len()), (4, 2, 1));
     let posed = skin(&model.draw, &pose(&model, model.clip(Some("turn")), 0.5));
     // Half of a half turn: joint 1's vertices go from (1, 0) to (0, 1).
-    assert!((posed.positions[1] - plisse_live::Vec3::y()).norm() < 1e-5 && posed.positions[0].norm() < 1e-6);
+    assert!(
+        (posed.positions[1] - plisse_live::Vec3::y()).norm() < 1e-5
+            && posed.positions[0].norm() < 1e-6
+    );
     runs(&glb(&json, &bin));
 }
 
@@ -89,7 +105,10 @@ fn a_sound_file_is_posed_as_its_clip_says() {
 fn with_views(more: &[Vec<u8>]) -> (Value, Vec<u8>) {
     let (mut json, mut bin) = sound();
     for bytes in more {
-        json["bufferViews"].as_array_mut().unwrap().push(json!({"buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len()}));
+        json["bufferViews"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"buffer": 0, "byteOffset": bin.len(), "byteLength": bytes.len()}));
         bin.extend(bytes);
         bin.resize(bin.len().next_multiple_of(4), 0);
     }
@@ -99,14 +118,18 @@ fn with_views(more: &[Vec<u8>]) -> (Value, Vec<u8>) {
 
 #[test]
 fn red_vertex_colours_are_shares_of_the_wavelength() {
-    let colours: Vec<u8> = [[255u8, 0, 0, 255], [51, 9, 9, 255], [0, 9, 9, 255], [102, 0, 0, 255]].concat();
+    let colours: Vec<u8> =
+        [[255u8, 0, 0, 255], [51, 9, 9, 255], [0, 9, 9, 255], [102, 0, 0, 255]].concat();
     let (mut json, bin) = with_views(&[colours]);
     let accessor = json!({"bufferView": 6, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"});
     json["accessors"].as_array_mut().unwrap().push(accessor);
     json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(6);
     let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
     let shares = model.wavelength_share.as_deref().unwrap();
-    assert!(shares.iter().zip([1.0, 0.2, 0.0, 0.4]).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6), "{shares:?}");
+    assert!(
+        shares.iter().zip([1.0, 0.2, 0.0, 0.4]).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6),
+        "{shares:?}"
+    );
     let unified = Unified::new(&model, 1e-5);
     let list = plisse_live::wavelength::per_vertex(&unified, 0.3, Some(shares));
     assert!((list[3] - 0.12).abs() < 1e-6 && list[2] > 0.0);
@@ -126,7 +149,8 @@ fn sparse_accessors_put_numbers_in_place() {
     // Without a skin, nothing scales the positions.
     json.as_object_mut().unwrap().remove("skins");
     json["nodes"][0].as_object_mut().unwrap().remove("skin");
-    let positions = |json: &Value| from_bytes("model.glb", &glb(json, &bin), None).unwrap().draw.positions;
+    let positions =
+        |json: &Value| from_bytes("model.glb", &glb(json, &bin), None).unwrap().draw.positions;
     let x = |x, y| plisse_live::Vec3::new(x, y, 0.0);
     assert_eq!(positions(&json), [x(0., 0.), x(5., 0.), x(1., 1.), x(0., 7.)]);
     // Without a view of its own it starts from zeros.
@@ -155,7 +179,8 @@ fn buffers_lie_beside_the_file_or_in_it() {
     let faces = |uri: &str| {
         let mut json = json.clone();
         json["buffers"][0]["uri"] = uri.into();
-        from_bytes("model.gltf", json.to_string().as_bytes(), Some(&folder)).map(|model| model.faces.len())
+        from_bytes("model.gltf", json.to_string().as_bytes(), Some(&folder))
+            .map(|model| model.faces.len())
     };
     for (name, uri) in [
         ("plain.bin", "plain.bin"),
@@ -168,9 +193,18 @@ fn buffers_lie_beside_the_file_or_in_it() {
     }
     let base64 = BASE64_STANDARD.encode(&bin);
     for text in [&base64[..], base64.trim_end_matches('=')] {
-        assert_eq!(faces(&format!("data:application/octet-stream;base64,{text}")).unwrap(), 2, "{text}");
+        assert_eq!(
+            faces(&format!("data:application/octet-stream;base64,{text}")).unwrap(),
+            2,
+            "{text}"
+        );
     }
-    for uri in ["nowhere.bin", "data:application/octet-stream;base64,a*b", "data:application/octet-stream,abc", "%FF.bin"] {
+    for uri in [
+        "nowhere.bin",
+        "data:application/octet-stream;base64,a*b",
+        "data:application/octet-stream,abc",
+        "%FF.bin",
+    ] {
         let message = faces(uri).unwrap_err().to_string();
         assert!(message.contains("buffer 0") && message.contains("cannot be read"), "{message}");
     }
@@ -214,14 +248,27 @@ fn broken_files_end_in_one_sentence() {
             "/animations/0/channels/0/target",
             "/accessors/0",
         ] {
-            let _ = from_bytes("model.glb", &with(&|j| *j.pointer_mut(path).unwrap() = odd.clone()), None);
+            let _ = from_bytes(
+                "model.glb",
+                &with(&|j| *j.pointer_mut(path).unwrap() = odd.clone()),
+                None,
+            );
         }
     }
-    assert!(sentence("compressed", &with(&|j| j["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]))).contains("compressed"));
+    assert!(
+        sentence(
+            "compressed",
+            &with(&|j| j["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]))
+        )
+        .contains("compressed")
+    );
     let moved = with(&|j| j["animations"][0]["channels"][0]["target"]["node"] = json!(42));
     assert!(sentence("moves a node that is not there", &moved).contains("node 42"));
     sentence("wrong mesh index", &with(&|j| j["nodes"][0]["mesh"] = json!(7)));
-    sentence("no positions", &with(&|j| j["meshes"][0]["primitives"][0]["attributes"] = json!({"TEXCOORD_0": 0})));
+    sentence(
+        "no positions",
+        &with(&|j| j["meshes"][0]["primitives"][0]["attributes"] = json!({"TEXCOORD_0": 0})),
+    );
     sentence("no faces", &with(&|j| j["meshes"][0]["primitives"][0]["mode"] = json!(0)));
     let patched = |at: usize, bytes: &[u8]| {
         let mut bin = bin.clone();
@@ -245,8 +292,13 @@ fn what_is_not_read_may_be_anything() {
         let mut json = json.clone();
         let (parent, key) = path.rsplit_once('/').unwrap();
         json.pointer_mut(parent).unwrap()[key] = value;
-        let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap_or_else(|e| panic!("{path}: {e}"));
-        assert_eq!((&model.draw, &model.faces, &model.base_colour), (&plain.draw, &plain.faces, &None), "{path}");
+        let model = from_bytes("model.glb", &glb(&json, &bin), None)
+            .unwrap_or_else(|e| panic!("{path}: {e}"));
+        assert_eq!(
+            (&model.draw, &model.faces, &model.base_colour),
+            (&plain.draw, &plain.faces, &None),
+            "{path}"
+        );
         model.clips.iter().map(|clip| clip.channels.len()).sum::<usize>()
     };
     let attribute = |name: &str| format!("/meshes/0/primitives/0/attributes/{name}");
@@ -259,17 +311,34 @@ fn what_is_not_read_may_be_anything() {
         ("/scene", json!(9)),
         ("/cameras", json!([{"type": "perspective"}])),
         ("/accessors/0/min", json!(null)),
-        ("/materials", json!([{"alphaMode": "GLASS", "pbrMetallicRoughness": {"baseColorTexture": {"index": 5}}}])),
+        (
+            "/materials",
+            json!([{"alphaMode": "GLASS", "pbrMetallicRoughness": {"baseColorTexture": {"index": 5}}}]),
+        ),
         ("/textures", json!([{"sampler": 9, "extensions": {"EXT_texture_webp": {"source": 0}}}])),
         ("/samplers", json!([{"wrapS": 3}])),
         ("/images", json!([{}])),
-        ("/extensionsRequired", json!(["KHR_mesh_quantization", "KHR_texture_transform", "KHR_materials_unlit", "EXT_texture_webp"])),
+        (
+            "/extensionsRequired",
+            json!([
+                "KHR_mesh_quantization",
+                "KHR_texture_transform",
+                "KHR_materials_unlit",
+                "EXT_texture_webp"
+            ]),
+        ),
     ] {
         assert_eq!(with(path, value), 1, "{path}");
     }
     // Clips that move what is no node's property lose those channels only.
     let target = "/animations/0/channels/0/target";
-    assert_eq!(with(target, json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/scale"}}})), 0);
+    assert_eq!(
+        with(
+            target,
+            json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/scale"}}})
+        ),
+        0
+    );
     assert_eq!(with(target, json!({"path": "colour", "node": 2})), 0);
 }
 
@@ -286,8 +355,13 @@ fn the_base_colour_is_found_in_either_kind_of_material() {
         assert_eq!(model.base_colour.as_deref(), Some(&b"\x89PNG and so on"[..]), "{material}");
     }
     for (view, source) in [(99, 1), (6, 0), (6, 7)] {
-        (json["images"][1]["bufferView"], json["textures"][1]["source"]) = (json!(view), json!(source));
-        assert_eq!(from_bytes("model.glb", &glb(&json, &bin), None).unwrap().base_colour, None, "{view} {source}");
+        (json["images"][1]["bufferView"], json["textures"][1]["source"]) =
+            (json!(view), json!(source));
+        assert_eq!(
+            from_bytes("model.glb", &glb(&json, &bin), None).unwrap().base_colour,
+            None,
+            "{view} {source}"
+        );
     }
 }
 
@@ -312,7 +386,10 @@ fn odd_files_give_a_still() {
     let unified = Unified::new(&model, 1e-5);
     let mut live = LiveState::default();
     live.step(&unified, &pose(&model, None, 0.0), &LiveOptions::new(0.1));
-    assert_eq!((live.crushed.singular, live.crushed.amplitude_m.iter().sum::<f32>()), (unified.count(), 0.0));
+    assert_eq!(
+        (live.crushed.singular, live.crushed.amplitude_m.iter().sum::<f32>()),
+        (unified.count(), 0.0)
+    );
 }
 
 #[test]
@@ -324,7 +401,10 @@ fn the_fox_wrinkles_without_jumps() {
         return;
     }
     let model = read(&path).unwrap();
-    assert_eq!((model.draw.positions.len(), model.faces.len(), model.nodes.len(), model.clips.len()), (1728, 576, 26, 3));
+    assert_eq!(
+        (model.draw.positions.len(), model.faces.len(), model.nodes.len(), model.clips.len()),
+        (1728, 576, 26, 3)
+    );
     assert!(model.base_colour.as_ref().is_some_and(|b| b.starts_with(b"\x89PNG")));
     let unified = Unified::new(&model, 1e-5);
     assert!(unified.count() < 400, "{}", unified.count());
@@ -335,15 +415,30 @@ fn the_fox_wrinkles_without_jumps() {
         let frames = 180;
         for frame in 0..frames {
             let last = (live.crushed.strength.clone(), live.phase.clone());
-            live.step(&unified, &pose(&model, Some(clip), frame as f32 / 60.0 % clip.duration_s()), &options);
+            live.step(
+                &unified,
+                &pose(&model, Some(clip), frame as f32 / 60.0 % clip.duration_s()),
+                &options,
+            );
             if frame > 0 {
-                worst = worst.max(plisse_live::crush::jumping([&last.0, &live.crushed.strength], [&last.1, &live.phase], 0.05));
+                worst = worst.max(plisse_live::crush::jumping(
+                    [&last.0, &live.crushed.strength],
+                    [&last.1, &live.phase],
+                    0.05,
+                ));
             }
-            error += plisse_live::relax::mean_phase_error(&unified, &live.posed.positions, &live.crushed, &live.phase) / frames as f32;
-            wrinkled += live.crushed.strength.iter().filter(|&&s| s >= 0.05).count() as f32 / (frames * unified.count()) as f32;
+            error += plisse_live::relax::mean_phase_error(
+                &unified,
+                &live.posed.positions,
+                &live.crushed,
+                &live.phase,
+            ) / frames as f32;
+            wrinkled += live.crushed.strength.iter().filter(|&&s| s >= 0.05).count() as f32
+                / (frames * unified.count()) as f32;
         }
         eprintln!(
-            "fox {}: {} vertices, {} singular, {:.0} % wrinkled, worst jump share {worst}, mean phase error {error:.4}",
+            "fox {}: {} vertices, {} singular, {:.0} % wrinkled, worst jump share {worst}, mean \
+             phase error {error:.4}",
             clip.name,
             unified.count(),
             live.crushed.singular,

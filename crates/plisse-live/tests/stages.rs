@@ -40,7 +40,11 @@ fn the_models_have_the_sizes_of_the_paper() {
         let unified = Unified::new(&model, 1e-5);
         let (x, n) = (&unified.vertices.positions, &unified.vertices.normals);
         assert!(
-            (0..unified.count()).all(|v| n[v].dot(&Vec3::new(if x[v].y == 0.0 { x[v].x } else { 0.0 }, x[v].y, x[v].z)) > 0.0),
+            (0..unified.count()).all(|v| n[v].dot(&Vec3::new(
+                if x[v].y == 0.0 { x[v].x } else { 0.0 },
+                x[v].y,
+                x[v].z
+            )) > 0.0),
             "{}",
             model.name
         );
@@ -54,7 +58,8 @@ fn the_shirt_is_one_sound_surface() {
     assert!((440..=470).contains(&unified.count()), "{}", unified.count());
     // Manifold and alike oriented, or this is an error; with no hole at the armholes.
     let topology = field::topology("shirt", &unified).unwrap();
-    let euler = topology.vertex_count as i64 - topology.edge_count() as i64 + topology.face_count() as i64;
+    let euler =
+        topology.vertex_count as i64 - topology.edge_count() as i64 + topology.face_count() as i64;
     assert_eq!(euler, 2 - 4, "a sphere with hem, neck and two cuffs cut out");
     let (x, n) = (&unified.vertices.positions, &unified.vertices.normals);
     for face in &unified.faces {
@@ -63,15 +68,27 @@ fn the_shirt_is_one_sound_surface() {
         assert!(area.norm() > 1e-4, "a face without an area");
         assert!(face.iter().all(|&v| n[v as usize].dot(&area) > 0.0), "a flipped face at {a}");
     }
-    // Outwards: the signed volume of the open surface with a fan over each hole is that of its faces, seen from within.
+    // Outwards: the signed volume of the open surface with a fan over each hole is that of its
+    // faces, seen from within.
     let centre = Vec3::new(0.0, 0.3, 0.0);
-    let volume: f32 = unified.faces.iter().map(|f| f.map(|v| x[v as usize] - centre)).map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0).sum();
+    let volume: f32 = unified
+        .faces
+        .iter()
+        .map(|f| f.map(|v| x[v as usize] - centre))
+        .map(|[a, b, c]| a.dot(&b.cross(&c)) / 6.0)
+        .sum();
     assert!(volume > 0.02, "{volume}");
     for weights in &model.draw.weights {
-        assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|&w| w >= 0.0));
+        assert!(
+            (weights.iter().sum::<f32>() - 1.0).abs() < 1e-5 && weights.iter().all(|&w| w >= 0.0)
+        );
     }
-    assert!(model.uvs.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0) && model.draw.positions.len() > unified.count());
-    // The same in rest: nothing is crushed. In the middle of the clip both elbows are, and by the end of the third quarter the armpits.
+    assert!(
+        model.uvs.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0)
+            && model.draw.positions.len() > unified.count()
+    );
+    // The same in rest: nothing is crushed. In the middle of the clip both elbows are, and by the
+    // end of the third quarter the armpits.
     let strength = |time_s: f32, centre: Vec3, reach: f32| {
         let crushed = crush(&unified, &posed_at(&model, &unified, time_s), &input(&[0.06]));
         let near = (0..unified.count()).filter(|&v| (x[v] - centre).norm() < reach);
@@ -102,17 +119,32 @@ fn the_square_has_the_true_wave_vectors() {
             let length = std::f32::consts::TAU / (W * width);
             assert!((k.norm() / length - 1.0).abs() < 1e-3);
             let h = 0.25 * W * (1.0 - width * width).sqrt();
-            assert!((crushed.amplitude_m[v] - h).abs() < 1e-4 * W, "{} {h}", crushed.amplitude_m[v]);
+            assert!(
+                (crushed.amplitude_m[v] - h).abs() < 1e-4 * W,
+                "{} {h}",
+                crushed.amplitude_m[v]
+            );
         }
     }
 }
 
-/// Waves along the lines across the folds: crests of the rendered height are counted on each of `lines` lines.
-fn wave_counts(unified: &Unified, posed: &Skinned, crushed: &Crushed, phase: &[f32], width: f32, lines: usize) -> Vec<f32> {
+/// Waves along the lines across the folds: crests of the rendered height are counted on each of
+/// `lines` lines.
+fn wave_counts(
+    unified: &Unified,
+    posed: &Skinned,
+    crushed: &Crushed,
+    phase: &[f32],
+    width: f32,
+    lines: usize,
+) -> Vec<f32> {
     let samples = 1000;
     let profile = Profile::sine();
-    let waves: Vec<FaceWaves> =
-        unified.faces.iter().map(|f| FaceWaves::new(f.map(|v| corner(posed, crushed, phase, v as usize)))).collect();
+    let waves: Vec<FaceWaves> = unified
+        .faces
+        .iter()
+        .map(|f| FaceWaves::new(f.map(|v| corner(posed, crushed, phase, v as usize))))
+        .collect();
     (0..lines)
         .map(|line| {
             let y = (line as f32 + 0.5) / lines as f32;
@@ -153,7 +185,8 @@ fn relaxation_aligns_the_waves_of_the_square() {
         let random = random_phases(unified.count(), 7);
         let share = |phase: &[f32]| {
             let counts = wave_counts(&unified, &posed, &crushed, phase, width, 40);
-            counts.iter().filter(|&&n| (n - 1.0 / W).abs() <= 1.0).count() as f32 / counts.len() as f32
+            counts.iter().filter(|&&n| (n - 1.0 / W).abs() <= 1.0).count() as f32
+                / counts.len() as f32
         };
         let error = |phase: &[f32]| mean_phase_error(&unified, &posed.positions, &crushed, phase);
         let mut descended = random.clone();
@@ -161,7 +194,8 @@ fn relaxation_aligns_the_waves_of_the_square() {
         let mut relaxed = spread(&unified, &posed.positions, &crushed, &random, &[]);
         relax_rounds(&unified, &posed.positions, &crushed, 0.5, 50, &mut relaxed);
         eprintln!(
-            "{width}: error random {:.4}, descended {:.4}, spread and relaxed {:.5}; lines {:.2} {:.2} {:.2}",
+            "{width}: error random {:.4}, descended {:.4}, spread and relaxed {:.5}; lines {:.2} \
+             {:.2} {:.2}",
             error(&random),
             error(&descended),
             error(&relaxed),
@@ -202,19 +236,33 @@ fn seams_are_not_seen() {
     let mut live = LiveState::default();
     live.step(&unified, &pose(&model, model.clip(None), 0.7), &LiveOptions::new(0.03));
     for i in 0..25 {
-        let (a, b) = (unified.vertex_of_draw[i * 21] as usize, unified.vertex_of_draw[i * 21 + 20] as usize);
-        assert_eq!((live.crushed.amplitude_m[a], live.phase[a]), (live.crushed.amplitude_m[b], live.phase[b]));
-        assert!(model.draw.normals[i * 21] == model.draw.normals[i * 21 + 20] && model.uvs[i * 21] != model.uvs[i * 21 + 20]);
+        let (a, b) =
+            (unified.vertex_of_draw[i * 21] as usize, unified.vertex_of_draw[i * 21 + 20] as usize);
+        assert_eq!(
+            (live.crushed.amplitude_m[a], live.phase[a]),
+            (live.crushed.amplitude_m[b], live.phase[b])
+        );
+        assert!(
+            model.draw.normals[i * 21] == model.draw.normals[i * 21 + 20]
+                && model.uvs[i * 21] != model.uvs[i * 21 + 20]
+        );
     }
 }
 
 #[test]
 fn a_painted_bias_wrinkles_the_rest_pose_along_it() {
     let (unified, _, _) = square_at(0.0);
-    let posed = Skinned { positions: unified.vertices.positions.clone(), normals: unified.vertices.normals.clone() };
+    let posed = Skinned {
+        positions: unified.vertices.positions.clone(),
+        normals: unified.vertices.normals.clone(),
+    };
     let p = Vec3::new(0.3, 0.4, 0.0);
     let bias = vec![p; unified.count()];
-    let crushed = crush(&unified, &posed, &CrushInput { wavelength_m: &[W], bias: &bias, last_direction: &[] });
+    let crushed = crush(
+        &unified,
+        &posed,
+        &CrushInput { wavelength_m: &[W], bias: &bias, last_direction: &[] },
+    );
     for v in 0..unified.count() {
         assert!(crushed.wave[v].normalize().dot(&p.normalize()).abs() > 0.9999);
         let r = 1.0 - p.norm_squared();
@@ -222,7 +270,8 @@ fn a_painted_bias_wrinkles_the_rest_pose_along_it() {
     }
 }
 
-/// Plays `clip` twice at 60 frames a second; worst share of wrinkled vertices that jump, mean phase error over the frames.
+/// Plays `clip` twice at 60 frames a second; worst share of wrinkled vertices that jump, mean phase
+/// error over the frames.
 fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
     let unified = Unified::new(model, 1e-5);
     let clip = model.clip(Some(clip)).unwrap();
@@ -232,19 +281,27 @@ fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
     let (mut worst, mut error, mut wrinkled) = (0f32, 0.0, 0.0);
     let frames = (120.0 * duration) as usize;
     for frame in 0..frames {
-        let last = (live.crushed.strength.clone(), live.phase.clone(), live.crushed.direction.clone());
+        let last =
+            (live.crushed.strength.clone(), live.phase.clone(), live.crushed.direction.clone());
         live.step(&unified, &pose(model, Some(clip), (frame as f32 / 60.0) % duration), &options);
         if frame > 0 {
             // Directions never turn round, so phases may be compared as they are.
             assert!(last.2.iter().zip(&live.crushed.direction).all(|(a, b)| a.dot(b) >= 0.0));
-            worst = worst.max(jumping([&last.0, &live.crushed.strength], [&last.1, &live.phase], VISIBLE));
+            worst = worst.max(jumping(
+                [&last.0, &live.crushed.strength],
+                [&last.1, &live.phase],
+                VISIBLE,
+            ));
         }
         assert!(live.phase.iter().chain(&live.crushed.amplitude_m).all(|x| x.is_finite()));
-        error += mean_phase_error(&unified, &live.posed.positions, &live.crushed, &live.phase) / frames as f32;
-        wrinkled += live.crushed.strength.iter().filter(|&&s| s >= VISIBLE).count() as f32 / (frames * unified.count()) as f32;
+        error += mean_phase_error(&unified, &live.posed.positions, &live.crushed, &live.phase)
+            / frames as f32;
+        wrinkled += live.crushed.strength.iter().filter(|&&s| s >= VISIBLE).count() as f32
+            / (frames * unified.count()) as f32;
     }
     eprintln!(
-        "{} {}: {} vertices, {:.0} % wrinkled, worst jump share {worst:.4}, mean phase error {error:.4}",
+        "{} {}: {} vertices, {:.0} % wrinkled, worst jump share {worst:.4}, mean phase error \
+         {error:.4}",
         model.name,
         clip.name,
         unified.count(),
@@ -280,7 +337,8 @@ fn phases_do_not_jump_on_models_that_move() {
 fn a_live_result_goes_to_a_field_and_back() {
     let (unified, posed, crushed) = square_at(2.0);
     let topology = field::topology("square", &unified).unwrap();
-    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
+    let phase =
+        spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
     let made = field::to_field(&topology, &unified, &posed.positions, &crushed, &phase);
     assert!(made.wrinkle_free.iter().all(|free| !free));
     for (f, face) in topology.faces.iter().enumerate() {
@@ -288,14 +346,20 @@ fn a_live_result_goes_to_a_field_and_back() {
             let l = (k + 1) % 3;
             let along = topology.side_sign(f, k) * made.omega[topology.face_edges[f][k]];
             assert!((made.phase[f][l] - made.phase[f][k] - along).abs() < 1e-9);
-            let asked = f64::from(std::f32::consts::TAU / (0.75 * W) * (posed.positions[face[l]] - posed.positions[face[k]]).x);
+            let asked = f64::from(
+                std::f32::consts::TAU / (0.75 * W)
+                    * (posed.positions[face[l]] - posed.positions[face[k]]).x,
+            );
             assert!((along.abs() - asked.abs()).abs() < 1e-3, "{along} {asked}");
         }
     }
     let back = field::from_field(&topology, &posed, &made);
     for v in 0..unified.count() {
         let sign = back.wave[v].dot(&crushed.wave[v]).signum();
-        assert!((back.wave[v] - crushed.wave[v] * sign).norm() < 1e-2 && back.amplitude_m[v] == crushed.amplitude_m[v]);
+        assert!(
+            (back.wave[v] - crushed.wave[v] * sign).norm() < 1e-2
+                && back.amplitude_m[v] == crushed.amplitude_m[v]
+        );
         assert!(plisse_live::wrap(back.phase[v] - sign * phase[v]).abs() < 1e-3);
     }
     // Where waves do not agree, faces are given up; those that stay are closed.
@@ -304,10 +368,13 @@ fn a_live_result_goes_to_a_field_and_back() {
     let mut live = LiveState::default();
     live.step(&unified, &pose(&model, model.clip(None), 1.0), &LiveOptions::new(0.05));
     let topology = field::topology("sleeve", &unified).unwrap();
-    let made = field::to_field(&topology, &unified, &live.posed.positions, &live.crushed, &live.phase);
-    let visible = |f: &usize| topology.faces[*f].iter().all(|&v| live.crushed.strength[v] >= VISIBLE);
+    let made =
+        field::to_field(&topology, &unified, &live.posed.positions, &live.crushed, &live.phase);
+    let visible =
+        |f: &usize| topology.faces[*f].iter().all(|&v| live.crushed.strength[v] >= VISIBLE);
     let all = (0..topology.face_count()).filter(visible).count();
-    let kept = (0..topology.face_count()).filter(visible).filter(|&f| !made.wrinkle_free[f]).count();
+    let kept =
+        (0..topology.face_count()).filter(visible).filter(|&f| !made.wrinkle_free[f]).count();
     eprintln!("sleeve: {kept} of {all} wrinkled faces kept");
     assert!(kept * 2 > all && kept > 0);
 }
@@ -315,7 +382,8 @@ fn a_live_result_goes_to_a_field_and_back() {
 #[test]
 fn accordion_at_half_width_shows_the_zigzag() {
     let (unified, posed, crushed) = square_at(3.0);
-    let phase = spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
+    let phase =
+        spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
     let profile = Profile::accordion();
     // A zigzag of W at half its width rises √(1 − ¼)/½ = √3 on each flank, up or down.
     let (mut flanks, mut all) = (0, 0);

@@ -96,7 +96,10 @@ impl Command {
             Self::LargerBrush => plain(Key::CloseBracket),
             Self::Erase => plain(Key::E),
             Self::Solve => command(Key::Enter),
-            Self::View(n) => plain([Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7][usize::from(n) % 7]),
+            Self::View(n) => plain(
+                [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7]
+                    [usize::from(n) % 7],
+            ),
         }
     }
 
@@ -104,6 +107,11 @@ impl Command {
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.egui_wants_keyboard_input();
         let free = |c: &&Self| !typing || c.shortcut().modifiers.any();
-        Self::ALL.iter().filter(free).filter(|c| ctx.input_mut(|i| i.consume_shortcut(&c.shortcut()))).copied().collect()
+        Self::ALL
+            .iter()
+            .filter(free)
+            .filter(|c| ctx.input_mut(|i| i.consume_shortcut(&c.shortcut())))
+            .copied()
+            .collect()
     }
 }

@@ -83,8 +83,19 @@ impl Driver {
         self.step(&step, studio, ctx, now_s)
     }
 
-    fn step(&mut self, step: &Step, studio: &mut Studio, ctx: &egui::Context, now_s: f64) -> Result<()> {
-        let unknown = |what: &str| Error::value(format!("script, line {}", step.line), format!("there is no {what}; correct it"));
+    fn step(
+        &mut self,
+        step: &Step,
+        studio: &mut Studio,
+        ctx: &egui::Context,
+        now_s: f64,
+    ) -> Result<()> {
+        let unknown = |what: &str| {
+            Error::value(
+                format!("script, line {}", step.line),
+                format!("there is no {what}; correct it"),
+            )
+        };
         match step.word.as_str() {
             "settle" => {}
             "open" => match step.text(0)? {
@@ -93,13 +104,19 @@ impl Driver {
             },
             "tab" => {
                 let name = step.rest.join(" ");
-                studio.tab = Tab::ALL.into_iter().find(|t| t.name().eq_ignore_ascii_case(&name)).ok_or_else(|| unknown("such tab"))?;
+                studio.tab = Tab::ALL
+                    .into_iter()
+                    .find(|t| t.name().eq_ignore_ascii_case(&name))
+                    .ok_or_else(|| unknown("such tab"))?;
             }
             "view" => {
                 let name = step.text(0)?;
                 studio.view = match name {
                     "painted" => View::Painted(studio.brush.layer),
-                    name => View::MAIN.into_iter().find(|v| v.word() == name).ok_or_else(|| unknown("such view"))?,
+                    name => View::MAIN
+                        .into_iter()
+                        .find(|v| v.word() == name)
+                        .ok_or_else(|| unknown("such view"))?,
                 };
             }
             "show" => {
@@ -111,16 +128,21 @@ impl Driver {
                 }
             }
             "time" => (studio.document.settings.time_s, studio.playing) = (step.number(0)?, false),
-            "clip" => studio.document.settings.clip = Some(step.rest.join(" ")).filter(|c| c != "none"),
+            "clip" => {
+                studio.document.settings.clip = Some(step.rest.join(" ")).filter(|c| c != "none")
+            }
             "wavelength" => studio.document.settings.wavelength_m = step.number(0)?,
             "play" => studio.playing = true,
             "hold" => studio.playing = false,
-            "orbit" => studio.table.orbit(step.number(0)?.to_radians(), step.number(1)?.to_radians()),
+            "orbit" => {
+                studio.table.orbit(step.number(0)?.to_radians(), step.number(1)?.to_radians())
+            }
             "zoom" => studio.table.zoom(step.number(0)?),
             "fit" => studio.fit(),
             "brush" => brush(step, studio)?,
             "stroke" => {
-                let numbers = (0..step.rest.len()).map(|k| step.number(k)).collect::<Result<Vec<f32>>>()?;
+                let numbers =
+                    (0..step.rest.len()).map(|k| step.number(k)).collect::<Result<Vec<f32>>>()?;
                 self.stroke = numbers.chunks_exact(2).map(|p| Vec2::new(p[0], p[1])).collect();
             }
             "undo" => studio.run(Command::Undo),
@@ -162,7 +184,12 @@ impl Driver {
 }
 
 fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
-    let unknown = || Error::value(format!("script, line {}", step.line), "the brush has no such thing; correct it");
+    let unknown = || {
+        Error::value(
+            format!("script, line {}", step.line),
+            "the brush has no such thing; correct it",
+        )
+    };
     let value = step.text(1)?;
     match step.text(0)? {
         "layer" => {
@@ -205,7 +232,9 @@ fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
                 _ => return Err(unknown()),
             }
         }
-        "action" => studio.brush.action = if value == "erase" { Action::Erase } else { Action::Paint },
+        "action" => {
+            studio.brush.action = if value == "erase" { Action::Erase } else { Action::Paint }
+        }
         _ => return Err(unknown()),
     }
     Ok(())
@@ -215,7 +244,8 @@ fn write(path: &Path, image: &ColorImage) -> Result<()> {
     let pixels = image.pixels.iter().flat_map(|p| [p.r(), p.g(), p.b()]).collect();
     let image = Image { width: image.size[0], height: image.size[1], pixels };
     let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-    let mut folder = plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
+    let mut folder =
+        plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
     folder.write(name, |out| plisse::picture::write_png(&image, out))?;
     folder.commit().map(|_| ())
 }

@@ -33,7 +33,8 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.5,
         thickness_m: 1e-4,
         density_kg_m3: 1100.0,
-        source: "the stretched sheet of Chen et al. 2021, section 6.4; the density is that of rubber, about 1100 kg/m³, not from there",
+        source: "the stretched sheet of Chen et al. 2021, section 6.4; the density is that of \
+            rubber, about 1100 kg/m³, not from there",
     },
     Fabric {
         name: "Soft plastic, 0.1 mm",
@@ -41,7 +42,8 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.44,
         thickness_m: 1e-4,
         density_kg_m3: 920.0,
-        source: "the twisted cylinder of Chen et al. 2021, section 6.2; the density is that of polyethylene, about 920 kg/m³, not from there",
+        source: "the twisted cylinder of Chen et al. 2021, section 6.2; the density is that of \
+            polyethylene, about 920 kg/m³, not from there",
     },
     Fabric {
         name: "Polyimide film (as sheared), 25 µm",
@@ -49,7 +51,8 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.31,
         thickness_m: 25e-6,
         density_kg_m3: 1420.0,
-        source: "the sheared rectangle of Wong & Pellegrino 2006, as in scene 03; the density is that of the next",
+        source: "the sheared rectangle of Wong & Pellegrino 2006, as in scene 03; the density is \
+            that of the next",
     },
     Fabric {
         name: "Kapton HN polyimide, 25 µm",
@@ -57,7 +60,8 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.34,
         thickness_m: 25e-6,
         density_kg_m3: 1420.0,
-        source: "DuPont, Kapton HN technical data sheet: tensile modulus 2.5 GPa at 23 °C, Poisson's ratio 0.34, 1.42 g/cm³",
+        source: "DuPont, Kapton HN technical data sheet: tensile modulus 2.5 GPa at 23 °C, \
+            Poisson's ratio 0.34, 1.42 g/cm³",
     },
     Fabric {
         name: "Mylar A polyester, 23 µm",
@@ -65,6 +69,7 @@ pub const FABRICS: [Fabric; 6] = [
         poisson: 0.38,
         thickness_m: 23e-6,
         density_kg_m3: 1390.0,
-        source: "DuPont Teijin Films, Mylar Physical-Thermal Properties (H-37232-3): 490 kg/mm² along the machine, 0.38, 1.39 g/cm³",
+        source: "DuPont Teijin Films, Mylar Physical-Thermal Properties (H-37232-3): 490 kg/mm² \
+            along the machine, 0.38, 1.39 g/cm³",
     },
 ];

@@ -13,7 +13,8 @@ use crate::open;
 const AUTOSAVE_S: f64 = 20.0;
 const WATCH_S: f64 = 1.5;
 
-/// What is kept in the autosave's folder: one file for each process, with the folder that paths in it are relative to.
+/// What is kept in the autosave's folder: one file for each process, with the folder that paths in
+/// it are relative to.
 #[derive(Debug)]
 pub struct Guard {
     /// Where autosaves lie; none: nowhere to write.
@@ -38,7 +39,9 @@ pub struct Left {
 /// Where this system keeps what programs need between runs.
 pub fn usual_folder() -> Option<PathBuf> {
     let env = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
-    let state = env("XDG_STATE_HOME").or_else(|| env("LOCALAPPDATA")).or_else(|| env("HOME").map(|h| h.join(".local").join("state")));
+    let state = env("XDG_STATE_HOME")
+        .or_else(|| env("LOCALAPPDATA"))
+        .or_else(|| env("HOME").map(|h| h.join(".local").join("state")));
     state.map(|s| s.join("plisse-studio"))
 }
 
@@ -57,7 +60,8 @@ impl Guard {
         };
     }
 
-    /// A file that is open and has changed on the disk since it was read; told once for each change.
+    /// A file that is open and has changed on the disk since it was read; told once for each
+    /// change.
     pub fn look(&mut self, now_s: f64) -> Option<PathBuf> {
         if now_s - self.last_watch_s < WATCH_S {
             return None;
@@ -111,14 +115,27 @@ impl Guard {
         let Some(folder) = &self.folder else { return Vec::new() };
         let mut found: Vec<(SystemTime, Left)> = Vec::new();
         for (name, _) in disk::list(folder).unwrap_or_default() {
-            let process =
-                name.strip_prefix("autosave-").and_then(|n| n.strip_suffix(open::DOCUMENT_END)).and_then(|n| n.parse::<u32>().ok());
-            let Some(process) = process.filter(|&p| p != own_number() && !is_alive(p)) else { continue };
+            let process = name
+                .strip_prefix("autosave-")
+                .and_then(|n| n.strip_suffix(open::DOCUMENT_END))
+                .and_then(|n| n.parse::<u32>().ok());
+            let Some(process) = process.filter(|&p| p != own_number() && !is_alive(p)) else {
+                continue;
+            };
             let path = folder.join(&name);
-            let saved = disk::read_text(&path).ok().and_then(|t| crate::document::saved::read(&name, &t).ok());
-            let name = saved.and_then(|s| s.model.own.or(s.model.file)).unwrap_or_else(|| format!("process {process}"));
-            let name = Path::new(&name).file_name().map_or(name.clone(), |n| n.to_string_lossy().into_owned());
-            found.push((disk::modified(&path).unwrap_or(SystemTime::UNIX_EPOCH), Left { path, name }));
+            let saved = disk::read_text(&path)
+                .ok()
+                .and_then(|t| crate::document::saved::read(&name, &t).ok());
+            let name = saved
+                .and_then(|s| s.model.own.or(s.model.file))
+                .unwrap_or_else(|| format!("process {process}"));
+            let name = Path::new(&name)
+                .file_name()
+                .map_or(name.clone(), |n| n.to_string_lossy().into_owned());
+            found.push((
+                disk::modified(&path).unwrap_or(SystemTime::UNIX_EPOCH),
+                Left { path, name },
+            ));
         }
         found.sort_by_key(|b| std::cmp::Reverse(b.0));
         found.into_iter().map(|f| f.1).collect()

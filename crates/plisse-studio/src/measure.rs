@@ -42,13 +42,14 @@ pub struct Strokes {
     pub vertices: usize,
 }
 
-/// Runs the program without a window on a sheet of about 100,000 vertices, with some `pictures` of each of the `views`; `gpu`: whether it
-/// may use one. Also the name of what drew.
+/// Runs the program without a window on a sheet of about 100,000 vertices, with some `pictures` of
+/// each of the `views`; `gpu`: whether it may use one. Also the name of what drew.
 ///
 /// # Errors
 /// [`Error::Numeric`] if no picture comes.
 pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Strokes, String)> {
-    let mut studio = Studio::new(Start { graphics: Graphics::own(gpu), keep: None, wake: Arc::new(|| {}) })?;
+    let mut studio =
+        Studio::new(Start { graphics: Graphics::own(gpu), keep: None, wake: Arc::new(|| {}) })?;
     let sheet = Subject::new(Source::Own("sheet".into()), models::sheet(SIDE, SIDE));
     studio.show(Document::new(sheet), None);
     studio.document.settings.time_s = 0.5;
@@ -60,7 +61,8 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
     let mut now_s = 0.0;
     let mut frame = |studio: &mut Studio| {
         now_s += 1.0 / 60.0;
-        let input = egui::RawInput { screen_rect: Some(screen), time: Some(now_s), ..Default::default() };
+        let input =
+            egui::RawInput { screen_rect: Some(screen), time: Some(now_s), ..Default::default() };
         let begun = Instant::now();
         let mut output = ctx.run_ui(input, |ui| studio.ui(ui));
         // No window takes the textures.
@@ -82,7 +84,10 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
             while studio.sheet.is_none() {
                 longest_ms = longest_ms.max(frame(&mut studio));
                 if begun.elapsed() > Duration::from_secs(120) {
-                    return Err(Error::numeric("measure", "no picture came within two minutes; try --cpu"));
+                    return Err(Error::numeric(
+                        "measure",
+                        "no picture came within two minutes; try --cpu",
+                    ));
                 }
                 std::thread::sleep(Duration::from_millis(5));
             }
@@ -98,7 +103,13 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
             std::thread::sleep(Duration::from_millis(5));
         }
         let idle: Vec<f32> = (0..FRAMES).map(|_| frame(&mut studio)).collect();
-        rows.push(Row { view, idle_ms: median(idle), longest_ms, stages_ms: median(stages_ms), render_ms: median(render_ms) });
+        rows.push(Row {
+            view,
+            idle_ms: median(idle),
+            longest_ms,
+            stages_ms: median(stages_ms),
+            render_ms: median(render_ms),
+        });
     }
     // A quick stroke across the whole sheet, once there and once mirrored.
     studio.tab = crate::studio::Tab::Paint;
@@ -133,7 +144,8 @@ fn median(mut list: Vec<f32>) -> f32 {
 pub fn run(gpu: bool) -> Result<()> {
     let (rows, strokes, device) = rows(gpu, &View::MAIN, PICTURES)?;
     let mut text = format!("{} vertices; drawn by {device}\n\n", SIDE * SIDE);
-    text += "| view | frame, idle (ms) | longest frame (ms) | stages (ms) | drawing (ms) |\n|---|---|---|---|---|\n";
+    text += "| view | frame, idle (ms) | longest frame (ms) | stages (ms) | drawing (ms) \
+        |\n|---|---|---|---|---|\n";
     for row in rows {
         text += &format!(
             "| {} | {:.2} | {:.2} | {:.1} | {:.1} |\n",
@@ -144,7 +156,10 @@ pub fn run(gpu: bool) -> Result<()> {
             row.render_ms
         );
     }
-    text += &format!("\nLongest frame while painting {} vertices: {:.2} ms\n", strokes.vertices, strokes.longest_ms);
+    text += &format!(
+        "\nLongest frame while painting {} vertices: {:.2} ms\n",
+        strokes.vertices, strokes.longest_ms
+    );
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! Files read in the background: opened, read again after they changed, or recovered. What was open stays until the new one is whole.
+//! Files read in the background: opened, read again after they changed, or recovered. What was open
+//! stays until the new one is whole.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,7 +38,8 @@ impl Reading {
 }
 
 impl Studio {
-    /// Opens the file `path`, in the background; what goes wrong becomes a message, and what was open stays.
+    /// Opens the file `path`, in the background; what goes wrong becomes a message, and what was
+    /// open stays.
     pub fn open(&mut self, path: &Path) {
         self.messages.note(format!("opening {}", path.display()));
         self.read(Purpose::Open(path.to_path_buf()));
@@ -56,9 +58,15 @@ impl Studio {
     fn read(&mut self, purpose: Purpose) {
         let (wake, asked) = (Arc::clone(&self.wake), purpose.clone());
         let work = move |_: &_| match asked {
-            Purpose::Open(path) => open::open(&path).map(|document| Read::Document(Box::new(document))),
-            Purpose::Recover(left) => open::open(&left.path).map(|document| Read::Document(Box::new(document))),
-            Purpose::Again(path) => open::subject(&path).map(|subject| Read::Subject(Box::new(subject))),
+            Purpose::Open(path) => {
+                open::open(&path).map(|document| Read::Document(Box::new(document)))
+            }
+            Purpose::Recover(left) => {
+                open::open(&left.path).map(|document| Read::Document(Box::new(document)))
+            }
+            Purpose::Again(path) => {
+                open::subject(&path).map(|subject| Read::Subject(Box::new(subject)))
+            }
         };
         self.reading = Reading(Some((Job::start("open", move || wake(), work), purpose)));
     }
@@ -76,10 +84,14 @@ impl Studio {
                     self.show(*document, is_document.then(|| path.clone()));
                     self.messages.note(format!("opened {}", path.display()));
                 }
-                (Ok(Read::Document(document)), Purpose::Recover(left)) => self.recovered(*document, left),
+                (Ok(Read::Document(document)), Purpose::Recover(left)) => {
+                    self.recovered(*document, left)
+                }
                 (Ok(Read::Subject(subject)), Purpose::Again(path)) => self.reloaded(*subject, path),
                 (Ok(_), _) => {}
-                (Err(error), Purpose::Again(_)) => self.messages.problem(format!("{error}; what is open here stays")),
+                (Err(error), Purpose::Again(_)) => {
+                    self.messages.problem(format!("{error}; what is open here stays"))
+                }
                 (Err(error), _) => self.messages.problem(error),
             }
         }
@@ -102,7 +114,8 @@ impl Studio {
             self.messages.note("read again");
         } else {
             self.messages.problem(format!(
-                "{}: its mesh is another one, what was painted does not fit it; save your work, then open the file anew",
+                "{}: its mesh is another one, what was painted does not fit it; save your work, \
+                 then open the file anew",
                 path.display()
             ));
         }

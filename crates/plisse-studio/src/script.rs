@@ -1,10 +1,12 @@
-//! Scripts that drive the program: for pictures in documents, and to see it run where nobody sits before it.
+//! Scripts that drive the program: for pictures in documents, and to see it run where nobody sits
+//! before it.
 //!
-//! One command a line; `#` begins a comment. `open FILE`, `tab NAME`, `view NAME`, `time S`, `play`, `hold`, `orbit DEG DEG`, `zoom F`,
-//! `fit`, `brush NAME VALUE` (layer, radius, strength, value, heading, mirror, falloff, action), `stroke X Y X Y …` (shares of the
-//! picture), `undo`, `redo`, `solve`, `grow`, `fold on` (or `off`), `take KIND PATH`, `wait S`, `settle` (until nothing is on its way), `screenshot PATH`, `show NAME`, `spacing M`,
-//! `clip NAME`, `wavelength M`, `lose-gpu`,
-//! `save PATH`, `quit`.
+//! One command a line; `#` begins a comment. `open FILE`, `tab NAME`, `view NAME`, `time S`,
+//! `play`, `hold`, `orbit DEG DEG`, `zoom F`, `fit`, `brush NAME VALUE` (layer, radius, strength,
+//! value, heading, mirror, falloff, action), `stroke X Y X Y …` (shares of the picture), `undo`,
+//! `redo`, `solve`, `grow`, `fold on` (or `off`), `take KIND PATH`, `wait S`, `settle` (until
+//! nothing is on its way), `screenshot PATH`, `show NAME`, `spacing M`, `clip NAME`, `wavelength
+//! M`, `lose-gpu`, `save PATH`, `quit`.
 
 use plisse::{Error, Result};
 
@@ -26,7 +28,12 @@ impl Step {
     /// [`Error::Value`] naming the line if it is not there or no number.
     pub fn number(&self, k: usize) -> Result<f32> {
         let found = self.rest.get(k).and_then(|w| w.parse::<f32>().ok()).filter(|x| x.is_finite());
-        found.ok_or_else(|| Error::value(format!("script, line {}", self.line), format!("{} needs a number there; give it", self.word)))
+        found.ok_or_else(|| {
+            Error::value(
+                format!("script, line {}", self.line),
+                format!("{} needs a number there; give it", self.word),
+            )
+        })
     }
 
     /// Word `k` of what follows the command.
@@ -35,13 +42,21 @@ impl Step {
     /// [`Error::Value`] naming the line if it is not there.
     pub fn text(&self, k: usize) -> Result<&str> {
         let found = self.rest.get(k).map(String::as_str);
-        found.ok_or_else(|| Error::value(format!("script, line {}", self.line), format!("{} needs a word there; give it", self.word)))
+        found.ok_or_else(|| {
+            Error::value(
+                format!("script, line {}", self.line),
+                format!("{} needs a word there; give it", self.word),
+            )
+        })
     }
 }
 
 /// The steps of a script.
 pub fn parse(text: &str) -> Vec<Step> {
-    let lines = text.lines().enumerate().map(|(n, line)| (n + 1, line.split('#').next().unwrap_or_default()));
+    let lines = text
+        .lines()
+        .enumerate()
+        .map(|(n, line)| (n + 1, line.split('#').next().unwrap_or_default()));
     lines
         .filter_map(|(line, text)| {
             let mut words = text.split_whitespace().map(str::to_owned);

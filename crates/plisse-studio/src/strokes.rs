@@ -1,4 +1,5 @@
-//! Strokes of the brush in the window: they follow the pointer at once and are painted as far as a frame has time for it.
+//! Strokes of the brush in the window: they follow the pointer at once and are painted as far as a
+//! frame has time for it.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,11 +32,13 @@ impl Studio {
             self.end_stroke();
         }
         let Some(camera) = self.sheet.as_ref().map(|s| s.camera) else { return };
-        let (subject, surface, posed) = (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
+        let (subject, surface, posed) =
+            (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
         if posed.positions.len() != subject.unified.count() {
             return;
         }
-        let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
+        let canvas =
+            Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
         match &mut self.trail {
             Some(trail) => trail.go(&canvas, &camera, pointer),
             None => self.trail = Some(Trail::begin(self.brush.clone(), &canvas, &camera, pointer)),
@@ -53,10 +56,16 @@ impl Studio {
         if self.trail.is_none() {
             return;
         }
-        let (subject, surface, posed) = (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
-        let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
+        let (subject, surface, posed) =
+            (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
+        let canvas =
+            Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
         let begun = Instant::now();
-        let Some(trail) = self.trail.as_mut().filter(|_| posed.positions.len() == subject.unified.count()) else { return };
+        let Some(trail) =
+            self.trail.as_mut().filter(|_| posed.positions.len() == subject.unified.count())
+        else {
+            return;
+        };
         if trail.is_behind() {
             trail.paint(&canvas, &mut self.document.layers, &mut || begun.elapsed() < PAINTING);
             self.cached.dabs += 1;
@@ -71,8 +80,10 @@ impl Studio {
         self.released = false;
         let Some(trail) = self.trail.take() else { return };
         let Some(camera) = self.sheet.as_ref().map(|s| s.camera) else { return };
-        let (subject, surface, posed) = (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
-        let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
+        let (subject, surface, posed) =
+            (Arc::clone(&self.document.subject), Arc::clone(&self.surface), self.posed());
+        let canvas =
+            Canvas { unified: &subject.unified, surface: &surface, posed: &posed.positions };
         let change = trail.end(&canvas, &mut self.document.layers, &camera);
         if change.vertices.is_empty() {
             self.messages.note("the stroke met no vertex; make the brush larger");

@@ -1,5 +1,5 @@
-//! The program's state and what it does with it. [`Studio::ui`] is one frame of the window; nothing in it takes long: what does is done
-//! by the [`Easel`]'s thread or by jobs.
+//! The program's state and what it does with it. [`Studio::ui`] is one frame of the window; nothing
+//! in it takes long: what does is done by the [`Easel`]'s thread or by jobs.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -170,7 +170,8 @@ pub(crate) struct Cached {
 }
 
 /// What decides whether a picture is still right.
-type OrderKey = (Turntable, [usize; 2], View, Looking, f32, usize, usize, usize, [u8; 3], bool, Settings);
+type OrderKey =
+    (Turntable, [usize; 2], View, Looking, f32, usize, usize, usize, [u8; 3], bool, Settings);
 
 impl Studio {
     /// The program with its own curtain.
@@ -183,7 +184,10 @@ impl Studio {
         let guard = Guard::new(start.keep);
         let left = guard.left();
         let mut studio = Self {
-            surface: Arc::new(Surface::new(&document.subject.unified.faces, document.subject.unified.count())),
+            surface: Arc::new(Surface::new(
+                &document.subject.unified.faces,
+                document.subject.unified.count(),
+            )),
             easel: Easel::new(start.graphics, move || wake()),
             sheet: None,
             picture: None,
@@ -256,7 +260,8 @@ impl Studio {
         }
         (self.trail, self.released) = (None, false);
         (self.looking, self.playing) = (Looking::Live, !subject.model.clips.is_empty());
-        self.tab = if subject.scene.is_some() && self.tab == Tab::Live { Tab::Physics } else { self.tab };
+        self.tab =
+            if subject.scene.is_some() && self.tab == Tab::Live { Tab::Physics } else { self.tab };
         self.document = document;
         self.cached.key = None;
         self.cached.layer_key = None;
@@ -270,19 +275,23 @@ impl Studio {
     pub fn is_unsaved(&self) -> bool {
         // Playing changes nothing that would have to be saved.
         let still = |s: &Settings| Settings { time_s: 0.0, clip: None, ..s.clone() };
-        self.document.revision != self.saved_revision || still(&self.document.settings) != still(&self.saved_settings)
+        self.document.revision != self.saved_revision
+            || still(&self.document.settings) != still(&self.saved_settings)
     }
 
     /// Saves to `path`.
     pub fn save(&mut self, path: &Path) {
         match open::save(&self.document, path) {
             Ok(()) => {
-                (self.saved_revision, self.saved_settings) = (self.document.revision, self.document.settings.clone());
+                (self.saved_revision, self.saved_settings) =
+                    (self.document.revision, self.document.settings.clone());
                 self.path = Some(path.to_path_buf());
                 self.guard.clear();
                 self.messages.note(format!("saved {}", path.display()));
             }
-            Err(error) => self.messages.problem(format!("{error}; your work is still here, save it elsewhere")),
+            Err(error) => self
+                .messages
+                .problem(format!("{error}; your work is still here, save it elsewhere")),
         }
     }
 
@@ -293,8 +302,14 @@ impl Studio {
             (Some(sheet), _) => sheet.posed.positions.clone(),
             _ => {
                 let subject = &self.document.subject;
-                let clip = self.document.settings.clip.as_deref().and_then(|c| subject.model.clip(Some(c)));
-                let pose = plisse_live::skin::pose(&subject.model, clip, self.document.settings.time_s);
+                let clip = self
+                    .document
+                    .settings
+                    .clip
+                    .as_deref()
+                    .and_then(|c| subject.model.clip(Some(c)));
+                let pose =
+                    plisse_live::skin::pose(&subject.model, clip, self.document.settings.time_s);
                 plisse_live::skin::skin(&subject.unified.vertices, &pose).positions
             }
         };
@@ -312,19 +327,24 @@ impl Studio {
         };
         self.brush = Brush { layer, value, ..self.brush.clone() };
         if let View::Painted(_) | View::Expansion = self.view {
-            self.view = if layer == Layer::Expansion { View::Expansion } else { View::Painted(layer) };
+            self.view =
+                if layer == Layer::Expansion { View::Expansion } else { View::Painted(layer) };
         }
     }
 
     /// Does what a menu or a key asks.
     pub fn run(&mut self, command: Command) {
         match command {
-            Command::Open => self.browser = Some(Browser::open(self.path.as_deref().and_then(Path::parent))),
+            Command::Open => {
+                self.browser = Some(Browser::open(self.path.as_deref().and_then(Path::parent)))
+            }
             Command::Save => match self.path.clone() {
                 Some(path) => self.save(&path),
                 None => self.run(Command::SaveAs),
             },
-            Command::SaveAs => self.browser = Some(Browser::save(&open::usual_path(&self.document.subject.source))),
+            Command::SaveAs => {
+                self.browser = Some(Browser::save(&open::usual_path(&self.document.subject.source)))
+            }
             Command::Quit if self.is_unsaved() => self.asks = Some(Question::Quit),
             Command::Quit => self.quits = true,
             Command::Undo => self.history(Document::undo, "nothing to undo"),
@@ -334,7 +354,8 @@ impl Studio {
             Command::SmallerBrush => self.brush.radius_m /= 1.2,
             Command::LargerBrush => self.brush.radius_m *= 1.2,
             Command::Erase => {
-                self.brush.action = if self.brush.action == Action::Paint { Action::Erase } else { Action::Paint };
+                self.brush.action =
+                    if self.brush.action == Action::Paint { Action::Erase } else { Action::Paint };
             }
             Command::Solve => self.solve_or_stop(),
             Command::View(n) => self.view = View::MAIN[usize::from(n) % View::MAIN.len()],
@@ -379,14 +400,19 @@ impl Studio {
 
     fn play(&mut self, passed_s: f32) {
         let settings = &mut self.document.settings;
-        let duration_s = settings.clip.as_deref().and_then(|c| self.document.subject.model.clip(Some(c))).map_or(0.0, |c| c.duration_s());
+        let duration_s = settings
+            .clip
+            .as_deref()
+            .and_then(|c| self.document.subject.model.clip(Some(c)))
+            .map_or(0.0, |c| c.duration_s());
         if duration_s <= 0.0 {
             self.playing = false;
             return;
         }
         // Time goes on only as fast as pictures come.
         if !self.easel.is_busy() {
-            settings.time_s = (settings.time_s + passed_s.max(1.0 / 60.0) * settings.speed) % duration_s;
+            settings.time_s =
+                (settings.time_s + passed_s.max(1.0 / 60.0) * settings.speed) % duration_s;
         }
     }
 
@@ -396,10 +422,13 @@ impl Studio {
             self.messages.problem(message);
         }
         if sheet.texture.is_none() {
-            let image = ColorImage::from_rgb([sheet.image.width, sheet.image.height], &sheet.image.pixels);
+            let image =
+                ColorImage::from_rgb([sheet.image.width, sheet.image.height], &sheet.image.pixels);
             match &mut self.picture {
                 Some(picture) => picture.set(image, TextureOptions::LINEAR),
-                None => self.picture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR)),
+                None => {
+                    self.picture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR))
+                }
             }
         }
         self.sheet = Some(sheet);
@@ -430,7 +459,8 @@ impl Studio {
                 View::Painted(layer) => Some(layer),
                 _ => None,
             };
-            self.cached.layer = Arc::new(layer.map_or_else(Vec::new, |l| self.document.layers.of(l).to_vec()));
+            self.cached.layer =
+                Arc::new(layer.map_or_else(Vec::new, |l| self.document.layers.of(l).to_vec()));
             self.cached.layer_key = Some(key);
         }
         Arc::clone(&self.cached.layer)
@@ -449,7 +479,10 @@ impl Studio {
             Looking::Grown => self.growth.solid(),
         };
         let moves = self.moving || self.playing || self.trail.is_some() || self.settle > 1;
-        let slow = self.sheet.as_ref().is_some_and(|s| s.stage_ms[4] > SLOW_MS || s.image.width * 2 < self.size[0] + 2);
+        let slow = self
+            .sheet
+            .as_ref()
+            .is_some_and(|s| s.stage_ms[4] > SLOW_MS || s.image.width * 2 < self.size[0] + 2);
         let size = if moves && slow { self.size.map(|s| (s / 2).max(1)) } else { self.size };
         let shown = match &solid {
             Some(solid) => Shown::Solid(Arc::clone(solid)),

@@ -1,11 +1,14 @@
-//! Painting without a window: what a stroke changes, undo to the bit, files, and live wrinkles that follow the painted direction.
+//! Painting without a window: what a stroke changes, undo to the bit, files, and live wrinkles that
+//! follow the painted direction.
 
 use plisse_live::camera::Camera;
 use plisse_live::live::LiveState;
 use plisse_live::skin::{pose, skin};
 use plisse_live::{Vec2, Vec3};
 use plisse_studio::brush::{Canvas, Hit, Surface, Trail};
-use plisse_studio::document::{Action, Brush, Document, Falloff, Heading, Layer, Mirror, Subject, maps};
+use plisse_studio::document::{
+    Action, Brush, Document, Falloff, Heading, Layer, Mirror, Subject, maps,
+};
 use plisse_studio::open;
 
 fn document(name: &str) -> Document {
@@ -13,7 +16,14 @@ fn document(name: &str) -> Document {
 }
 
 /// Paints a straight stroke from one point of the picture to another in a few pointer positions.
-fn stroke(document: &mut Document, brush: &Brush, posed: &[Vec3], camera: &Camera, from: [f32; 2], to: [f32; 2]) {
+fn stroke(
+    document: &mut Document,
+    brush: &Brush,
+    posed: &[Vec3],
+    camera: &Camera,
+    from: [f32; 2],
+    to: [f32; 2],
+) {
     let subject = document.subject.clone();
     let surface = Surface::new(&subject.unified.faces, subject.unified.count());
     let canvas = Canvas { unified: &subject.unified, surface: &surface, posed };
@@ -25,7 +35,10 @@ fn stroke(document: &mut Document, brush: &Brush, posed: &[Vec3], camera: &Camer
 }
 
 fn bits(document: &Document) -> Vec<[u32; 4]> {
-    Layer::ALL.into_iter().flat_map(|l| document.layers.of(l).iter().map(|x| x.map(f32::to_bits)).collect::<Vec<_>>()).collect()
+    Layer::ALL
+        .into_iter()
+        .flat_map(|l| document.layers.of(l).iter().map(|x| x.map(f32::to_bits)).collect::<Vec<_>>())
+        .collect()
 }
 
 #[test]
@@ -34,15 +47,28 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
     let unified = document.subject.unified.clone();
     let x = unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
-    for (layer, value) in
-        [(Layer::Wrinkles, 0.6), (Layer::Wavelength, 0.3), (Layer::Expansion, 0.5), (Layer::Coherence, 0.2), (Layer::Freeze, 1.0)]
-    {
+    for (layer, value) in [
+        (Layer::Wrinkles, 0.6),
+        (Layer::Wavelength, 0.3),
+        (Layer::Expansion, 0.5),
+        (Layer::Coherence, 0.2),
+        (Layer::Freeze, 1.0),
+    ] {
         let before = document.layers.clone();
         let brush = Brush { layer, value, strength: 0.8, ..Brush::new(0.17) };
         stroke(&mut document, &brush, &x, &camera, [0.3, 0.4], [0.65, 0.6]);
         let change = document.history.done().last().unwrap();
-        let dabs: Vec<Vec3> = change.stroke.dabs.iter().map(|(f, w)| Hit::on(*f as usize, *w, &x, &unified.faces).position).collect();
-        assert!(dabs.len() > 5 && dabs.windows(2).all(|d| (d[1] - d[0]).norm() < 0.17 * 0.5), "{layer:?}: {} dabs", dabs.len());
+        let dabs: Vec<Vec3> = change
+            .stroke
+            .dabs
+            .iter()
+            .map(|(f, w)| Hit::on(*f as usize, *w, &x, &unified.faces).position)
+            .collect();
+        assert!(
+            dabs.len() > 5 && dabs.windows(2).all(|d| (d[1] - d[0]).norm() < 0.17 * 0.5),
+            "{layer:?}: {} dabs",
+            dabs.len()
+        );
         let mut under = 0;
         for v in 0..x.len() {
             // The square is flat: along it is straight.
@@ -50,7 +76,8 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
             if (far - 0.17).abs() < 2e-3 {
                 continue;
             }
-            let changed = before.of(layer)[v].map(f32::to_bits) != document.layers.of(layer)[v].map(f32::to_bits);
+            let changed = before.of(layer)[v].map(f32::to_bits)
+                != document.layers.of(layer)[v].map(f32::to_bits);
             assert_eq!(changed, far < 0.17, "{layer:?}: vertex {v} is {far} m from the stroke");
             under += usize::from(changed);
             for other in Layer::ALL.into_iter().filter(|&l| l != layer) {
@@ -69,10 +96,21 @@ fn undo_and_redo_restore_every_bit() {
     let mut states = vec![bits(&document)];
     let brushes = [
         Brush { heading: Heading::AcrossStroke, mirror: Mirror::Z, ..Brush::new(0.04) },
-        Brush { layer: Layer::Expansion, value: 0.7, heading: Heading::Isotropic, falloff: Falloff::Hard, ..Brush::new(0.05) },
+        Brush {
+            layer: Layer::Expansion,
+            value: 0.7,
+            heading: Heading::Isotropic,
+            falloff: Falloff::Hard,
+            ..Brush::new(0.05)
+        },
         Brush { strength: 0.35, value: 0.9, ..Brush::new(0.06) },
         Brush { action: Action::Erase, strength: 0.5, ..Brush::new(0.08) },
-        Brush { layer: Layer::Wavelength, value: 0.3, falloff: Falloff::Linear, ..Brush::new(0.05) },
+        Brush {
+            layer: Layer::Wavelength,
+            value: 0.3,
+            falloff: Falloff::Linear,
+            ..Brush::new(0.05)
+        },
     ];
     for (k, brush) in brushes.iter().enumerate() {
         let y = 0.42 + 0.03 * k as f32;
@@ -101,7 +139,13 @@ fn one_stroke_goes_no_farther_than_its_strength() {
     let mut document = document("square");
     let x = document.subject.unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
-    let brush = Brush { layer: Layer::Freeze, value: 1.0, strength: 0.5, falloff: Falloff::Hard, ..Brush::new(0.2) };
+    let brush = Brush {
+        layer: Layer::Freeze,
+        value: 1.0,
+        strength: 0.5,
+        falloff: Falloff::Hard,
+        ..Brush::new(0.2)
+    };
     let subject = document.subject.clone();
     let surface = Surface::new(&subject.unified.faces, subject.unified.count());
     let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &x };
@@ -116,8 +160,14 @@ fn one_stroke_goes_no_farther_than_its_strength() {
     assert_eq!(most, 0.5);
 }
 
-/// Angles (degrees) between crests and the stroke's way at the vertices where the stroke is strong, in the pose that was painted on.
-fn angles(name: &str, time_s: Option<f32>, (from, to, share): ([f32; 2], [f32; 2], f32), wavelength_m: f32) -> Vec<f32> {
+/// Angles (degrees) between crests and the stroke's way at the vertices where the stroke is strong,
+/// in the pose that was painted on.
+fn angles(
+    name: &str,
+    time_s: Option<f32>,
+    (from, to, share): ([f32; 2], [f32; 2], f32),
+    wavelength_m: f32,
+) -> Vec<f32> {
     let mut document = document(name);
     let subject = document.subject.clone();
     let clip = time_s.and_then(|_| subject.model.clips.first());
@@ -133,16 +183,25 @@ fn angles(name: &str, time_s: Option<f32>, (from, to, share): ([f32; 2], [f32; 2
         state.step(&subject.unified, &standing, &document.live_options());
     }
     let change = document.history.done().last().unwrap();
-    let place = |d: &(u32, [f32; 2])| Hit::on(d.0 as usize, d.1, &posed.positions, &subject.unified.faces).position;
+    let place = |d: &(u32, [f32; 2])| {
+        Hit::on(d.0 as usize, d.1, &posed.positions, &subject.unified.faces).position
+    };
     let dabs: Vec<Vec3> = change.stroke.dabs.iter().map(place).collect();
     let mut found = Vec::new();
     for (v, _, after) in &change.vertices {
         let v = *v as usize;
         // Where the stroke is strong, and away from its ends.
         let near = (0..dabs.len())
-            .min_by(|&a, &b| (dabs[a] - posed.positions[v]).norm().total_cmp(&(dabs[b] - posed.positions[v]).norm()))
+            .min_by(|&a, &b| {
+                (dabs[a] - posed.positions[v])
+                    .norm()
+                    .total_cmp(&(dabs[b] - posed.positions[v]).norm())
+            })
             .unwrap();
-        if Vec3::new(after[0], after[1], after[2]).norm() < 0.6 || near == 0 || near + 1 == dabs.len() {
+        if Vec3::new(after[0], after[1], after[2]).norm() < 0.6
+            || near == 0
+            || near + 1 == dabs.len()
+        {
             continue;
         }
         let way = (dabs[near + 1] - dabs[near - 1]).normalize();
@@ -180,7 +239,11 @@ fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
             for (k, &stroke) in strokes.iter().enumerate() {
                 let found = angles(name, time_s, stroke, wavelength_m);
                 let most = found.iter().copied().fold(0.0, f32::max);
-                eprintln!("{name}, {time_s:?} s, stroke {k}: {} vertices, largest angle {most:.2} degrees", found.len());
+                eprintln!(
+                    "{name}, {time_s:?} s, stroke {k}: {} vertices, largest angle {most:.2} \
+                     degrees",
+                    found.len()
+                );
                 assert!(found.len() >= 3, "{name}, {time_s:?}, stroke {k}: {}", found.len());
                 assert!(most < 10.0, "{name}, {time_s:?}, stroke {k}: {most} degrees");
             }
@@ -190,8 +253,20 @@ fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
     let mut crossed = document("curtain");
     let x = crossed.subject.unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
-    stroke(&mut crossed, &Brush { heading: Heading::AcrossStroke, ..Brush::new(0.4) }, &x, &camera, [0.4, 0.3], [0.4, 0.7]);
-    let along = crossed.layers.of(Layer::Wrinkles).iter().filter(|p| p[1].abs() > 10.0 * p[0].abs()).count();
+    stroke(
+        &mut crossed,
+        &Brush { heading: Heading::AcrossStroke, ..Brush::new(0.4) },
+        &x,
+        &camera,
+        [0.4, 0.3],
+        [0.4, 0.7],
+    );
+    let along = crossed
+        .layers
+        .of(Layer::Wrinkles)
+        .iter()
+        .filter(|p| p[1].abs() > 10.0 * p[0].abs())
+        .count();
     assert!(along > 5, "{along}");
 }
 
@@ -207,7 +282,8 @@ fn strokes_cross_texture_seams() {
     let side = |sign: f32| touched.iter().filter(|&&v| sign * x[v as usize].z > 0.01).count();
     assert!(side(1.0) >= 3 && side(-1.0) >= 3, "{} and {}", side(1.0), side(-1.0));
     // Both of the seam's draw vertices have what their place has.
-    let split = (0..subject.unified.count() as u32).filter(|v| subject.unified.vertex_of_draw.iter().filter(|u| *u == v).count() > 1);
+    let split = (0..subject.unified.count() as u32)
+        .filter(|v| subject.unified.vertex_of_draw.iter().filter(|u| *u == v).count() > 1);
     assert!(split.filter(|v| touched.contains(v)).count() >= 2);
 }
 
@@ -218,7 +294,9 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
     let mut document = document("curtain");
     let x = document.subject.unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.1, 0.2, 1.0);
-    for (layer, value) in [(Layer::Wrinkles, 0.71), (Layer::Expansion, 0.333), (Layer::Wavelength, 0.123)] {
+    for (layer, value) in
+        [(Layer::Wrinkles, 0.71), (Layer::Expansion, 0.333), (Layer::Wavelength, 0.123)]
+    {
         let brush = Brush { layer, value, strength: 0.77, ..Brush::new(0.3) };
         stroke(&mut document, &brush, &x, &camera, [0.31, 0.4], [0.67, 0.63]);
     }
@@ -244,7 +322,13 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
         let message = open::open(&path).unwrap_err().to_string();
         assert!(message.contains(part) && !message.contains('\n'), "{message}");
     }
-    for (name, bytes) in [("a.glb", &b"glTF"[..]), ("a.obj", b"f 1 2 3"), ("a.ply", b"nothing"), ("a.toml", b"= 3"), ("a.xyz", b"")] {
+    for (name, bytes) in [
+        ("a.glb", &b"glTF"[..]),
+        ("a.obj", b"f 1 2 3"),
+        ("a.ply", b"nothing"),
+        ("a.toml", b"= 3"),
+        ("a.xyz", b""),
+    ] {
         let path = folder.join(name);
         std::fs::write(&path, bytes).unwrap();
         let message = open::open(&path).unwrap_err().to_string();
@@ -258,7 +342,8 @@ fn paint_maps_hold_what_is_painted_at_its_place() {
     let mut document = document("square");
     let x = document.subject.unified.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
-    let brush = Brush { layer: Layer::Freeze, value: 1.0, falloff: Falloff::Hard, ..Brush::new(0.25) };
+    let brush =
+        Brush { layer: Layer::Freeze, value: 1.0, falloff: Falloff::Hard, ..Brush::new(0.25) };
     stroke(&mut document, &brush, &x, &camera, [0.5, 0.5], [0.55, 0.5]);
     let map = maps::paint_map(&document, Layer::Freeze, 64).unwrap();
     let subject = &document.subject;
@@ -268,7 +353,8 @@ fn paint_maps_hold_what_is_painted_at_its_place() {
         if u < 2 || v < 2 || u > 61 || v > 61 {
             continue;
         }
-        let painted = document.layers.of(Layer::Freeze)[subject.unified.vertex_of_draw[draw] as usize][0];
+        let painted =
+            document.layers.of(Layer::Freeze)[subject.unified.vertex_of_draw[draw] as usize][0];
         let found = map.texels[v * 64 + u].unwrap()[0];
         assert!((found - painted).abs() < 0.3, "{draw}: {found} for {painted}");
     }
@@ -277,7 +363,14 @@ fn paint_maps_hold_what_is_painted_at_its_place() {
     assert!(png.starts_with(b"\x89PNG"));
     let zeppelin = Document::new(Subject::new(
         plisse_studio::document::Source::Own("bare".into()),
-        plisse_live::model::Model::rigid("bare", x.clone(), vec![Vec2::zeros(); x.len()], document.subject.unified.faces.clone()),
+        plisse_live::model::Model::rigid(
+            "bare",
+            x.clone(),
+            vec![Vec2::zeros(); x.len()],
+            document.subject.unified.faces.clone(),
+        ),
     ));
-    assert!(maps::paint_map(&zeppelin, Layer::Freeze, 64).unwrap_err().to_string().contains("unwrap"));
+    assert!(
+        maps::paint_map(&zeppelin, Layer::Freeze, 64).unwrap_err().to_string().contains("unwrap")
+    );
 }

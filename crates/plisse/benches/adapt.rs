@@ -1,6 +1,7 @@
-//! Time of a scrunchy with rigid bands of about 50,000 vertices (half an hour on the 700 MHz machine of Combaz & Neyret 2002): scene 27 on a
-//! mesh of 6.75 edges to a wavelength while it grows, refined twice at the end. Prints what each mesh took, and how many pairs of faces
-//! cross in the end.
+//! Time of a scrunchy with rigid bands of about 50,000 vertices (half an hour on the 700 MHz
+//! machine of Combaz & Neyret 2002): scene 27 on a mesh of 6.75 edges to a wavelength while it
+//! grows, refined twice at the end. Prints what each mesh took, and how many pairs of faces cross
+//! in the end.
 
 use std::path::Path;
 
@@ -25,17 +26,32 @@ fn scrunchy_with_rigid_bands(bencher: divan::Bencher) {
     let grown = scene::build_growth(&scene::read(&file).unwrap()).unwrap();
     let growing = grown.growing();
     let mut adapt = AdaptOptions::new(growing.maps.wavelength_m[0] / EDGES[0]);
-    (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.curving) = (EDGES[0], EDGES[1], Curving::Start);
+    (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.curving) =
+        (EDGES[0], EDGES[1], Curving::Start);
     adapt.finish_iterations = FINISH;
     bencher.bench_local(|| {
-        let (surface, report) =
-            grow_adapting(&growing, grown.chart(), &grown.parts(None), &grown.options, &adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+        let (surface, report) = grow_adapting(
+            &growing,
+            grown.chart(),
+            &grown.parts(None),
+            &grown.options,
+            &adapt,
+            &Silent,
+            &mut |_, _| Ok(()),
+        )
+        .unwrap();
         let crossing = crossing_pairs(&surface.topology.faces, &surface.pose).len();
         eprintln!("\n{:.1} s, {crossing} pairs of faces that cross", report.growth.seconds);
         for mesh in &report.meshes {
             eprintln!(
-                "{} edges to λ: {} vertices, {} iterations, residual {:.1e}; s: remesh {:.2}, solve {:.2}",
-                mesh.edges_per_wave, mesh.vertices, mesh.iterations, mesh.residual, mesh.remesh_seconds, mesh.solve_seconds
+                "{} edges to λ: {} vertices, {} iterations, residual {:.1e}; s: remesh {:.2}, \
+                 solve {:.2}",
+                mesh.edges_per_wave,
+                mesh.vertices,
+                mesh.iterations,
+                mesh.residual,
+                mesh.remesh_seconds,
+                mesh.solve_seconds
             );
         }
         surface

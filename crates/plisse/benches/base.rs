@@ -1,4 +1,5 @@
-//! Time of the base solve of twisted cylinders (2π × 5 m, top turned by 10°), from the evenly turned pose on.
+//! Time of the base solve of twisted cylinders (2π × 5 m, top turned by 10°), from the evenly
+//! turned pose on.
 //!
 //! The numbers are vertices, about.
 
@@ -15,7 +16,16 @@ fn main() {
 #[divan::bench(args = [300, 1000, 3000, 10000], sample_count = 3, sample_size = 1)]
 fn base(bencher: divan::Bencher, vertices: usize) {
     let (sheet, clamps) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
-    let solve = || solve_base(&sheet.setup(&sheets::mylar(), &clamps), &sheet.pose, &BaseOptions::default(), &Silent).unwrap().1;
+    let solve = || {
+        solve_base(
+            &sheet.setup(&sheets::mylar(), &clamps),
+            &sheet.pose,
+            &BaseOptions::default(),
+            &Silent,
+        )
+        .unwrap()
+        .1
+    };
     let report = solve();
     eprintln!(
         "\nbase: {} vertices, {} iterations, {:?}, {:.6e} J",

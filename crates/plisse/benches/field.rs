@@ -1,6 +1,8 @@
-//! Time of the field solve on twisted cylinders (2π × 5 m, top turned by 10°), whose base pose is solved beforehand.
+//! Time of the field solve on twisted cylinders (2π × 5 m, top turned by 10°), whose base pose is
+//! solved beforehand.
 //!
-//! The numbers are vertices, about. From one size to the next the time should grow by little more than the size.
+//! The numbers are vertices, about. From one size to the next the time should grow by little more
+//! than the size.
 
 #[path = "../tests/sheets/mod.rs"]
 mod sheets;

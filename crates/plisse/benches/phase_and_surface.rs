@@ -1,7 +1,8 @@
-//! Time of what follows the field solve on twisted cylinders: rounding periods to whole turns, one step of subdivision, and the
-//! whole fine surface.
+//! Time of what follows the field solve on twisted cylinders: rounding periods to whole turns, one
+//! step of subdivision, and the whole fine surface.
 //!
-//! The numbers are vertices, about. The faces take a uniform frequency around the cylinder: rounding's cost does not depend on it.
+//! The numbers are vertices, about. The faces take a uniform frequency around the cylinder:
+//! rounding's cost does not depend on it.
 
 #[path = "../tests/sheets/mod.rs"]
 mod sheets;
@@ -25,10 +26,13 @@ fn whole_periods(bencher: divan::Bencher, vertices: usize) {
     let weight = vec![1.0; none_free.len()];
     let forms = ClosedForms::new(&sheet.topology, &none_free);
     let target = vec![Vec2::new(20.3, 3.0); none_free.len()];
-    let mut closest = ClosestClosedForm::new(&sheet.topology, &sheet.rest, &forms, &weight).unwrap();
+    let mut closest =
+        ClosestClosedForm::new(&sheet.topology, &sheet.rest, &forms, &weight).unwrap();
     let (phases, coefficients) = closest.with_free_periods(&target);
     bencher.bench_local(|| {
-        ClosestClosedForm::new(&sheet.topology, &sheet.rest, &forms, &weight).unwrap().with_whole_periods(&phases, &coefficients)
+        ClosestClosedForm::new(&sheet.topology, &sheet.rest, &forms, &weight)
+            .unwrap()
+            .with_whole_periods(&phases, &coefficients)
     });
 }
 
@@ -53,9 +57,26 @@ fn subdivide(bencher: divan::Bencher, vertices: usize) {
 fn surface(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     let options = FieldOptions::default();
-    let field = solve(&sheet.topology, &sheet.rest, &sheet.pose, &sheet.held, &sheets::mylar(), &options, &Silent).unwrap().field;
+    let field = solve(
+        &sheet.topology,
+        &sheet.rest,
+        &sheet.pose,
+        &sheet.held,
+        &sheets::mylar(),
+        &options,
+        &Silent,
+    )
+    .unwrap()
+    .field;
     bencher.bench_local(|| {
-        let fine = upsample(&sheet.topology, &sheet.pose, &field, &sheet.rest_positions, &sheet.rest_faces, 3);
+        let fine = upsample(
+            &sheet.topology,
+            &sheet.pose,
+            &field,
+            &sheet.rest_positions,
+            &sheet.rest_faces,
+            3,
+        );
         displace(&fine, &Displacement { v2: true, v1: None })
     });
 }

@@ -1,6 +1,8 @@
-//! Time of one dab of a brush of one wavelength's radius on square sheets, in the middle of a stroke: it must not depend on the mesh.
+//! Time of one dab of a brush of one wavelength's radius on square sheets, in the middle of a
+//! stroke: it must not depend on the mesh.
 //!
-//! The numbers are vertices, about. What is printed before is where the time of the best of 20 dabs went.
+//! The numbers are vertices, about. What is printed before is where the time of the best of 20 dabs
+//! went.
 
 #[path = "../tests/sheets/mod.rs"]
 mod sheets;
@@ -22,14 +24,28 @@ fn begun(vertices: usize, brush: SculptOptions) -> (Sculpture, Dab) {
     let sheet = sheets::Sheet::lattice(1.0, 1.0, cells, cells);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
     let wavelength_m = EDGES / cells as f64;
-    let growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, wavelength_m, wavelength_m);
-    let mut sculpture = Sculpture::new(&growing, sheet.pose.clone(), GrowthOptions::default(), brush).unwrap();
+    let growing = Growing::new(
+        &sheet.topology,
+        &sheet.rest,
+        &sheet.pose,
+        expansion,
+        wavelength_m,
+        wavelength_m,
+    );
+    let mut sculpture =
+        Sculpture::new(&growing, sheet.pose.clone(), GrowthOptions::default(), brush).unwrap();
     let touch = |k: usize| {
         let place = Vec3::new(0.5 + 0.3 * wavelength_m * (k as f64 - 5.0), 0.5, 0.0);
         let distance = |v: usize| (sheet.pose[v] - place).norm();
-        let nearest = (0..sheet.pose.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
+        let nearest =
+            (0..sheet.pose.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
         let paint = Paint::Growth { factor: 1.05, direction: Some(Vec3::x()) };
-        Dab { spot: Spot::vertex(&sheet.topology, nearest).unwrap(), radius_m: wavelength_m, core: 0.3, paint }
+        Dab {
+            spot: Spot::vertex(&sheet.topology, nearest).unwrap(),
+            radius_m: wavelength_m,
+            core: 0.3,
+            paint,
+        }
     };
     for k in 0..10 {
         sculpture.dab(&touch(k)).unwrap();
@@ -51,7 +67,8 @@ fn dab(bencher: divan::Bencher, vertices: usize) {
     let best = best.unwrap();
     let [search, cut, solve, all] = best.seconds.map(|s| 1e3 * s);
     eprintln!(
-        "\ndab: {} vertices in all, {} touched, {} active, {} solved, {} iterations; ms: search {search:.2}, cut {cut:.2}, solve {solve:.2}, all {all:.2}",
+        "\ndab: {} vertices in all, {} touched, {} active, {} solved, {} iterations; ms: search \
+         {search:.2}, cut {cut:.2}, solve {solve:.2}, all {all:.2}",
         sculpture.pose().len(),
         best.touched,
         best.active,

@@ -1,5 +1,6 @@
-//! The slow study of growth: `cargo run --release -p plisse --example growth_study -- WHAT [PICTURE.png]`, where WHAT is `counts`,
-//! `coherence`, `modes` or `picture`. What it prints stands in `docs/growth.md`.
+//! The slow study of growth: `cargo run --release -p plisse --example growth_study -- WHAT
+//! [PICTURE.png]`, where WHAT is `counts`, `coherence`, `modes` or `picture`. What it prints stands
+//! in `docs/growth.md`.
 
 #![allow(clippy::print_stdout)]
 
@@ -35,35 +36,77 @@ impl Square {
     /// The square grown along x, with λ = 1/`folds` and Λ = `coherence`·λ.
     fn growing(&self, growth: f64, folds: f64, coherence: f64) -> Outcome<Growing<'_>> {
         let n = self.start.len();
-        let expansion = Expansion::from_directions(&self.topology, &self.start, &vec![Vec3::x(); n], &vec![growth; n])?;
-        let mut growing = Growing::new(&self.topology, &self.rest, &self.start, expansion, 1.0 / folds, coherence / folds);
+        let expansion = Expansion::from_directions(
+            &self.topology,
+            &self.start,
+            &vec![Vec3::x(); n],
+            &vec![growth; n],
+        )?;
+        let mut growing = Growing::new(
+            &self.topology,
+            &self.rest,
+            &self.start,
+            expansion,
+            1.0 / folds,
+            coherence / folds,
+        );
         let boundary = self.topology.boundary_vertices();
         growing.freeze(|v, _| boundary[v]);
         Ok(growing)
     }
 
-    /// Count, width of the peak, share of straight crests, correlation length over λ, length reached.
+    /// Count, width of the peak, share of straight crests, correlation length over λ, length
+    /// reached.
     fn measure(&self, asked: &RestMetric, folds: f64, pose: &[Vec3]) -> Outcome<String> {
         let inset = 0.1;
-        let window = Window { low: Vec2::new(inset, inset), high: Vec2::new(1.0 - inset, 1.0 - inset) };
+        let window =
+            Window { low: Vec2::new(inset, inset), high: Vec2::new(1.0 - inset, 1.0 - inset) };
         let chart: Vec<Vec2> = self.start.iter().map(|p| Vec2::new(p.x, p.y)).collect();
         let offset = offsets_m(&self.topology, &self.start, pose)?;
-        let relief = Relief::new(&self.topology, &chart, &offset, &window, [(40.0 * folds) as usize, 81])?;
-        let inner = |f: usize| self.topology.faces[f].iter().all(|&v| (self.start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset);
-        let got = reached(&self.topology, &self.start, asked, pose, &vec![Vec3::x(); self.topology.face_count()], inner);
+        let relief =
+            Relief::new(&self.topology, &chart, &offset, &window, [(40.0 * folds) as usize, 81])?;
+        let inner = |f: usize| {
+            self.topology.faces[f]
+                .iter()
+                .all(|&v| (self.start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset)
+        };
+        let got = reached(
+            &self.topology,
+            &self.start,
+            asked,
+            pose,
+            &vec![Vec3::x(); self.topology.face_count()],
+            inner,
+        );
         let crests = relief.crests_within(10_f64.to_radians(), 0.5 / folds);
         let (count, width) = relief.folds().map_or((0.0, 0.0), |f| (1.0 / f.wavelength_m, f.width));
         let run = relief.correlation_m().unwrap_or(0.0) * folds;
-        Ok(format!("{count:5.2} | {width:4.2} | {:3.0} % | {run:5.1} | {:.3}", 100.0 * crests, got.length))
+        Ok(format!(
+            "{count:5.2} | {width:4.2} | {:3.0} % | {run:5.1} | {:.3}",
+            100.0 * crests,
+            got.length
+        ))
     }
 }
 
-fn fold(square: &Square, growth: f64, folds: f64, coherence: f64, options: &GrowthOptions) -> Outcome<(String, Vec<Vec3>)> {
+fn fold(
+    square: &Square,
+    growth: f64,
+    folds: f64,
+    coherence: f64,
+    options: &GrowthOptions,
+) -> Outcome<(String, Vec<Vec3>)> {
     let (pose, report) = grow(&square.growing(growth, folds, coherence)?, options, &Silent)?;
-    let (last, iterations) = (report.steps.last().ok_or("no step")?, report.steps.iter().map(|s| s.iterations).sum::<usize>());
+    let (last, iterations) = (
+        report.steps.last().ok_or("no step")?,
+        report.steps.iter().map(|s| s.iterations).sum::<usize>(),
+    );
     let told = square.measure(&report.asked, folds, &pose)?;
     let n = square.start.len();
-    Ok((format!("{n} | {told} | {:.0e} | {iterations} | {:.1}", last.residual, report.seconds), pose))
+    Ok((
+        format!("{n} | {told} | {:.0e} | {iterations} | {:.1}", last.residual, report.seconds),
+        pose,
+    ))
 }
 
 fn main() -> Outcome<()> {
@@ -76,7 +119,10 @@ fn main() -> Outcome<()> {
             for folds in [5.0, 10.0, 20.0] {
                 let square = Square::new(8 * folds as usize, (2.0 * folds) as usize)?;
                 for growth in [1.2, 1.5, 2.0] {
-                    println!("{folds} | {growth} | {}", fold(&square, growth, folds, 4.0, &options)?.0);
+                    println!(
+                        "{folds} | {growth} | {}",
+                        fold(&square, growth, folds, 4.0, &options)?.0
+                    );
                 }
             }
         }
@@ -86,7 +132,10 @@ fn main() -> Outcome<()> {
                 for imperfection in [0.05, 0.2] {
                     for coherence in [0.0, 1.0, 2.0, 4.0] {
                         let options = GrowthOptions { imperfection, ..options.clone() };
-                        println!("{growth} | {imperfection} | {coherence} | {}", fold(&square, growth, 8.0, coherence, &options)?.0);
+                        println!(
+                            "{growth} | {imperfection} | {coherence} | {}",
+                            fold(&square, growth, 8.0, coherence, &options)?.0
+                        );
                     }
                 }
             }
@@ -95,8 +144,15 @@ fn main() -> Outcome<()> {
             println!("mode | growth | {heading}");
             let square = Square::new(40, 20)?;
             for growth in [1.2, 1.5, 2.0] {
-                println!("variational | {growth} | {}", fold(&square, growth, 5.0, 4.0, &options)?.0);
-                let (pose, report) = match grow_by_forces(&square.growing(growth, 5.0, 4.0)?, &ReferenceOptions::default(), &Silent) {
+                println!(
+                    "variational | {growth} | {}",
+                    fold(&square, growth, 5.0, 4.0, &options)?.0
+                );
+                let (pose, report) = match grow_by_forces(
+                    &square.growing(growth, 5.0, 4.0)?,
+                    &ReferenceOptions::default(),
+                    &Silent,
+                ) {
                     Ok(grown) => grown,
                     Err(error) => {
                         println!("reference | {growth} | {error}");
@@ -116,10 +172,18 @@ fn main() -> Outcome<()> {
         Some("picture") => {
             let square = Square::new(70, 40)?;
             let settings = [(1.3, 10.0, 0.0), (1.3, 10.0, 4.0), (1.3, 5.0, 4.0), (2.0, 5.0, 4.0)];
-            let titles = settings.map(|(growth, folds, coherence)| format!("growth {growth}, {folds} folds, Λ = {coherence} λ"));
+            let titles = settings.map(|(growth, folds, coherence)| {
+                format!("growth {growth}, {folds} folds, Λ = {coherence} λ")
+            });
             let mut poses = Vec::new();
             for (growth, folds, coherence) in settings {
-                let (told, pose) = fold(&square, growth, folds, coherence, &GrowthOptions { imperfection: 0.05, ..options.clone() })?;
+                let (told, pose) = fold(
+                    &square,
+                    growth,
+                    folds,
+                    coherence,
+                    &GrowthOptions { imperfection: 0.05, ..options.clone() },
+                )?;
                 println!("{told}");
                 poses.push(pose);
             }
@@ -128,8 +192,15 @@ fn main() -> Outcome<()> {
                 subject: Subject { positions: &poses[n], faces: &square.topology.faces },
                 paint: Paint::Plain { colour: [190, 150, 120], wireframe: false },
             };
-            let image = draw(&[panel(0), panel(1), panel(2), panel(3)], &Camera::fit(&poses[3], Axis::Z, 25.0, 40.0), (1600, 1200));
-            write_png(&image, &mut std::fs::File::create(arguments.get(1).ok_or("give a path for the picture")?)?)?;
+            let image = draw(
+                &[panel(0), panel(1), panel(2), panel(3)],
+                &Camera::fit(&poses[3], Axis::Z, 25.0, 40.0),
+                (1600, 1200),
+            );
+            write_png(
+                &image,
+                &mut std::fs::File::create(arguments.get(1).ok_or("give a path for the picture")?)?,
+            )?;
         }
         _ => return Err("say what to study: counts, coherence, modes or picture".into()),
     }

@@ -1,11 +1,13 @@
-//! The one error type of the library: each variant says where, what is wrong, and how to mend it, in one sentence.
+//! The one error type of the library: each variant says where, what is wrong, and how to mend it,
+//! in one sentence.
 
 use std::path::{Path, PathBuf};
 
 /// A [`std::result::Result`] with the library's [`enum@Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Why a call could not be done. The `Display` text is one sentence: the place, what is wrong there, and the mend.
+/// Why a call could not be done. The `Display` text is one sentence: the place, what is wrong
+/// there, and the mend.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file or folder could not be read or written.

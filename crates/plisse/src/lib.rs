@@ -1,7 +1,8 @@
 //! Wrinkles and folds on coarse triangle meshes.
 //!
-//! A surface knows its **rest metric** (what length every edge wants to have) and its **pose** (what length it has).
-//! Where the pose is shorter than the rest, the surface must leave its own plane: it wrinkles. Data flows one way:
+//! A surface knows its **rest metric** (what length every edge wants to have) and its **pose**
+//! (what length it has). Where the pose is shorter than the rest, the surface must leave its own
+//! plane: it wrinkles. Data flows one way:
 //! [`mesh`] and [`io`] → [`rest`] → [`strain`] (from a pose that [`shell`] solved, or a file) → [`field`] → [`surface`]
 //! → [`bake`], [`picture`] and the files of [`wrinkled`]. [`scene`] describes such a road in a file; [`linalg`] lies under all of them.
 //!

@@ -15,22 +15,30 @@ pub struct Material {
 }
 
 impl Material {
-    /// A checked material: 1e-3 Pa ≤ Y ≤ 1e15 Pa, −1 < ν ≤ 0.5, 1e-9 m ≤ h ≤ 10 m, wide of any cloth or film.
+    /// A checked material: 1e-3 Pa ≤ Y ≤ 1e15 Pa, −1 < ν ≤ 0.5, 1e-9 m ≤ h ≤ 10 m, wide of any
+    /// cloth or film.
     ///
     /// # Errors
     /// [`Error::Value`] if a constant is not finite or out of its range.
     pub fn new(young_pa: f64, poisson: f64, thickness_m: f64) -> Result<Self> {
         if !(1e-3..=1e15).contains(&young_pa) {
-            let message =
-                format!("Young's modulus is {young_pa} Pa; give a number above 0, from 1e-3 to 1e15 (1e5 for cloth, 1e9 for plastic)");
+            let message = format!(
+                "Young's modulus is {young_pa} Pa; give a number above 0, from 1e-3 to 1e15 (1e5 \
+                 for cloth, 1e9 for plastic)"
+            );
             return Err(Error::value("young", message));
         }
         if !(poisson > -1.0 && poisson <= 0.5) {
-            return Err(Error::value("poisson", format!("Poisson's ratio is {poisson}; give a number above -1 and at most 0.5")));
+            return Err(Error::value(
+                "poisson",
+                format!("Poisson's ratio is {poisson}; give a number above -1 and at most 0.5"),
+            ));
         }
         if !(1e-9..=10.0).contains(&thickness_m) {
-            let message =
-                format!("the thickness is {thickness_m} m; give a number above 0, from 1e-9 to 10 (1e-4 is a tenth of a millimetre)");
+            let message = format!(
+                "the thickness is {thickness_m} m; give a number above 0, from 1e-9 to 10 (1e-4 is \
+                 a tenth of a millimetre)"
+            );
             return Err(Error::value("thickness", message));
         }
         Ok(Self { young_pa, poisson, thickness_m })
@@ -44,7 +52,8 @@ impl Material {
         let width = area_m2.sqrt();
         if self.thickness_m > width {
             let message = format!(
-                "a sheet {} m thick is thicker than the surface is wide ({width:.3e} m); are all lengths in metres?",
+                "a sheet {} m thick is thicker than the surface is wide ({width:.3e} m); are all \
+                 lengths in metres?",
                 self.thickness_m
             );
             return Err(Error::value("thickness", message));
@@ -62,7 +71,8 @@ impl Material {
         self.young_pa / (2.0 * (1.0 + self.poisson))
     }
 
-    /// ‖M‖²_SV = α/2·tr²M + β·tr(M²) (Pa) of a symmetric `m` in an orthonormal rest frame; eq. 4 of [Chen 2021].
+    /// ‖M‖²_SV = α/2·tr²M + β·tr(M²) (Pa) of a symmetric `m` in an orthonormal rest frame; eq. 4 of
+    /// [Chen 2021].
     pub fn norm_squared(&self, m: &Mat2) -> f64 {
         let trace = m.trace();
         self.alpha() / 2.0 * trace * trace + self.beta() * (m * m).trace()

@@ -1,4 +1,5 @@
-//! How long steps tell what they do and hear that they should stop. The library itself never prints.
+//! How long steps tell what they do and hear that they should stop. The library itself never
+//! prints.
 
 /// Where a long step is.
 #[derive(Clone, Copy, Debug)]

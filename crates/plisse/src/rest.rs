@@ -1,14 +1,15 @@
-//! The rest metric: what length every edge wants to have. It belongs to faces, so that the panels of a sewn garment and
-//! duplicates along a seam need no special case.
+//! The rest metric: what length every edge wants to have. It belongs to faces, so that the panels
+//! of a sewn garment and duplicates along a seam need no special case.
 
 use crate::mesh::{Mat2, Mat3x2, Vec2, Vec3};
 use crate::{Error, Result};
 
 /// The rest metric of one face.
 ///
-/// The first fundamental form ā (m²) is given in the face's barycentric frame (edge 0→1, edge 0→2) as ā = L Lᵀ. In the
-/// orthonormal rest frame that L defines, a vector with barycentric components b is Lᵀb, a one-form ω is L⁻¹ω and a form M
-/// is L⁻¹ M L⁻ᵀ; the first frame vector points along edge 0→1.
+/// The first fundamental form ā (m²) is given in the face's barycentric frame (edge 0→1, edge 0→2)
+/// as ā = L Lᵀ. In the orthonormal rest frame that L defines, a vector with barycentric components
+/// b is Lᵀb, a one-form ω is L⁻¹ω and a form M is L⁻¹ M L⁻ᵀ; the first frame vector points along
+/// edge 0→1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestFace {
     /// L⁻¹ (1/m), lower triangular.
@@ -24,7 +25,8 @@ impl RestFace {
         Self::from_form(Mat2::new(u.norm_squared(), u.dot(&v), u.dot(&v), v.norm_squared()))
     }
 
-    /// The metric with first fundamental form `form` (m²), symmetric positive definite, in the barycentric frame.
+    /// The metric with first fundamental form `form` (m²), symmetric positive definite, in the
+    /// barycentric frame.
     pub fn from_form(form: Mat2) -> Self {
         let l11 = form[(0, 0)].sqrt();
         let l21 = form[(1, 0)] / l11;
@@ -46,14 +48,17 @@ impl RestFace {
         [-(g1 + g2), g1, g2]
     }
 
-    /// A one-form, given by its values along edge 0→1 and edge 0→2, in the orthonormal rest frame (value's unit per metre).
+    /// A one-form, given by its values along edge 0→1 and edge 0→2, in the orthonormal rest frame
+    /// (value's unit per metre).
     pub fn one_form(&self, along_01: f64, along_02: f64) -> Vec2 {
         self.inverse_root * Vec2::new(along_01, along_02)
     }
 
-    /// F (no unit): the differential of the face's embedding with these corners (m), from the orthonormal rest frame.
+    /// F (no unit): the differential of the face's embedding with these corners (m), from the
+    /// orthonormal rest frame.
     pub fn deformation(&self, corners: [Vec3; 3]) -> Mat3x2 {
-        Mat3x2::from_columns(&[corners[1] - corners[0], corners[2] - corners[0]]) * self.inverse_root.transpose()
+        Mat3x2::from_columns(&[corners[1] - corners[0], corners[2] - corners[0]])
+            * self.inverse_root.transpose()
     }
 }
 
@@ -65,15 +70,23 @@ pub struct RestMetric {
 }
 
 impl RestMetric {
-    /// The metric of a rest shape: `positions` (m) of its vertices and the `[F][3]` corners of its faces. The rest shape may
-    /// have more vertices than the surface (panels, seam duplicates); only its faces correspond.
+    /// The metric of a rest shape: `positions` (m) of its vertices and the `[F][3]` corners of its
+    /// faces. The rest shape may have more vertices than the surface (panels, seam duplicates);
+    /// only its faces correspond.
     ///
     /// # Errors
     /// [`Error::Mesh`] naming the first face without area.
     pub fn from_shape(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
-        let faces: Vec<RestFace> = faces.iter().map(|f| RestFace::from_corners(f.map(|v| positions[v]))).collect();
-        if let Some(f) = faces.iter().position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|v| v.is_finite()))) {
-            return Err(Error::mesh(place, format!("face {f} has no area at rest; remove the face or move its corners apart")));
+        let faces: Vec<RestFace> =
+            faces.iter().map(|f| RestFace::from_corners(f.map(|v| positions[v]))).collect();
+        if let Some(f) = faces
+            .iter()
+            .position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|v| v.is_finite())))
+        {
+            return Err(Error::mesh(
+                place,
+                format!("face {f} has no area at rest; remove the face or move its corners apart"),
+            ));
         }
         Ok(Self { faces })
     }
@@ -101,7 +114,8 @@ mod tests {
         assert!((u.dot(&v) - x.dot(&y)).abs() < 1e-14);
         assert!((v.norm() - y.norm()).abs() < 1e-14);
         assert!((face.area_m2 - 0.5 * x.cross(&y).norm()).abs() < 1e-14);
-        // A one-form that is the differential of a linear function gives back its values on the edges.
+        // A one-form that is the differential of a linear function gives back its values on the
+        // edges.
         let form = face.one_form(0.7, -1.1);
         assert!((form.dot(&u) - 0.7).abs() < 1e-14 && (form.dot(&v) + 1.1).abs() < 1e-14);
     }
@@ -116,7 +130,8 @@ mod tests {
     #[test]
     fn a_face_without_area_is_named() {
         let p = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::x() * 2.0];
-        let error = RestMetric::from_shape("r.obj", &p, &[[0, 1, 2], [0, 1, 3]]).unwrap_err().to_string();
+        let error =
+            RestMetric::from_shape("r.obj", &p, &[[0, 1, 2], [0, 1, 3]]).unwrap_err().to_string();
         assert!(error.contains("face 1"), "{error}");
     }
 }

@@ -1,11 +1,13 @@
-//! Strain of a pose against the rest metric, per face: where the surface is shorter than it wants to be.
+//! Strain of a pose against the rest metric, per face: where the surface is shorter than it wants
+//! to be.
 
 use crate::mesh::{Mat2, Mat3x2, Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
 
 /// Strain of one face, in its orthonormal rest frame.
 ///
-/// The strain here is Ê = L⁻¹(a − ā)L⁻ᵀ = FᵀF − I, as in eq. 2 of [Chen 2021]: *twice* the Green strain.
+/// The strain here is Ê = L⁻¹(a − ā)L⁻ᵀ = FᵀF − I, as in eq. 2 of [Chen 2021]: *twice* the Green
+/// strain.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceStrain {
     /// Ê (no unit), symmetric.
@@ -14,8 +16,8 @@ pub struct FaceStrain {
     pub deformation: Mat3x2,
     /// Principal strains, lower first.
     pub principal: [f64; 2],
-    /// Unit principal directions in the rest frame, in the order of [`FaceStrain::principal`]; the second is the first
-    /// turned by +90°.
+    /// Unit principal directions in the rest frame, in the order of [`FaceStrain::principal`]; the
+    /// second is the first turned by +90°.
     pub directions: [Vec2; 2],
 }
 
@@ -35,7 +37,12 @@ impl FaceStrain {
 
 /// `[F]` strain of the pose `positions` (`[V]`, m).
 pub fn strain(topology: &Topology, rest: &RestMetric, positions: &[Vec3]) -> Vec<FaceStrain> {
-    topology.faces.iter().zip(&rest.faces).map(|(face, rest)| FaceStrain::new(rest.deformation(face.map(|v| positions[v])))).collect()
+    topology
+        .faces
+        .iter()
+        .zip(&rest.faces)
+        .map(|(face, rest)| FaceStrain::new(rest.deformation(face.map(|v| positions[v]))))
+        .collect()
 }
 
 /// Eigenvalues (lower first) of a symmetric `m` and the unit eigenvector of the lower one.
@@ -71,7 +78,9 @@ mod tests {
     fn a_shortened_sheet_is_pressed_along_the_short_way() {
         let deformation = Mat3x2::new(0.9, 0.0, 0.0, 1.2, 0.0, 0.0);
         let s = FaceStrain::new(deformation);
-        assert!((s.principal[0] - (0.81 - 1.0)).abs() < 1e-15 && (s.principal[1] - 0.44).abs() < 1e-15);
+        assert!(
+            (s.principal[0] - (0.81 - 1.0)).abs() < 1e-15 && (s.principal[1] - 0.44).abs() < 1e-15
+        );
         assert!(s.directions[0].x.abs() > 1.0 - 1e-12 && s.is_mixed());
     }
 }

@@ -1,5 +1,5 @@
-//! A pose with its wrinkles as the files that are taken away: the one road from a solved field to `base.obj`, `wrinkled.obj`, `wrinkled.glb`
-//! and `field.json`, for everyone who writes them.
+//! A pose with its wrinkles as the files that are taken away: the one road from a solved field to
+//! `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json`, for everyone who writes them.
 
 use crate::Result;
 use crate::field::curvature::{second_forms, vertex_normals};
@@ -64,9 +64,11 @@ impl Posed<'_> {
 
     /// The surface with the wrinkles of `field`, divided `levels` times.
     pub fn wrinkle(&self, field: &WrinkleField, levels: usize) -> Wrinkled {
-        let mut fine = upsample(self.topology, self.pose, field, self.rest_shape.0, self.rest_shape.1, levels);
+        let mut fine =
+            upsample(self.topology, self.pose, field, self.rest_shape.0, self.rest_shape.1, levels);
         let forms = self.v1.then(|| second_forms(self.topology, self.pose, self.curvature_rings));
-        let how = Displacement { v2: self.v2, v1: forms.as_deref().map(|forms| (forms, self.material)) };
+        let how =
+            Displacement { v2: self.v2, v1: forms.as_deref().map(|forms| (forms, self.material)) };
         let mut positions = displace(&fine, &how);
         for places in [&mut positions, &mut fine.base] {
             keep_out(places, self.obstacles.0, self.obstacles.1);
@@ -78,8 +80,17 @@ impl Posed<'_> {
     ///
     /// # Errors
     /// [`Error::File`](crate::Error::File) if something cannot be written.
-    pub fn write(&self, folder: &mut OutputFolder, field: &WrinkleField, wrinkled: &Wrinkled, up: glb::UpAxis) -> Result<()> {
-        let refined = self.texture.clone().map(|coarse| (0..wrinkled.fine.levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));
+    pub fn write(
+        &self,
+        folder: &mut OutputFolder,
+        field: &WrinkleField,
+        wrinkled: &Wrinkled,
+        up: glb::UpAxis,
+    ) -> Result<()> {
+        let refined = self
+            .texture
+            .clone()
+            .map(|coarse| (0..wrinkled.fine.levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));
         let coarse = self.texture.as_ref().map(|t| (&t.0[..], &t.1[..]));
         let texture = refined.as_ref().map(|t| (&t.0[..], &t.1[..]));
         let (positions, faces) = (&wrinkled.positions, &wrinkled.fine.topology.faces);

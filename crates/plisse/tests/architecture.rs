@@ -1,4 +1,5 @@
-//! ARCHITECTURE.md against the code: the crates it names, what they must not know, and the order of the modules.
+//! ARCHITECTURE.md against the code: the crates it names, what they must not know, and the order of
+//! the modules.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,8 @@ fn root() -> PathBuf {
 }
 
 fn read(path: impl AsRef<Path>) -> String {
-    std::fs::read_to_string(path.as_ref()).unwrap_or_else(|e| panic!("{}: {e}", path.as_ref().display()))
+    std::fs::read_to_string(path.as_ref())
+        .unwrap_or_else(|e| panic!("{}: {e}", path.as_ref().display()))
 }
 
 /// Names in backquotes in the first cells of a Markdown table's rows, below `heading`.
@@ -18,15 +20,29 @@ fn first_cells(text: &str, heading: &str) -> Vec<Vec<String>> {
     section
         .lines()
         .filter(|line| line.starts_with("| `"))
-        .map(|line| line.split('|').nth(1).unwrap().split('`').skip(1).step_by(2).map(str::to_owned).collect())
+        .map(|line| {
+            line.split('|')
+                .nth(1)
+                .unwrap()
+                .split('`')
+                .skip(1)
+                .step_by(2)
+                .map(str::to_owned)
+                .collect()
+        })
         .collect()
 }
 
 #[test]
 fn the_crate_table_lists_the_crates_there_are() {
-    let listed: BTreeSet<String> = first_cells(&read(root().join("ARCHITECTURE.md")), "## Crates").concat().into_iter().collect();
-    let there: BTreeSet<String> =
-        std::fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let listed: BTreeSet<String> = first_cells(&read(root().join("ARCHITECTURE.md")), "## Crates")
+        .concat()
+        .into_iter()
+        .collect();
+    let there: BTreeSet<String> = std::fs::read_dir(root().join("crates"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     assert_eq!(listed, there);
 }
 
@@ -34,12 +50,18 @@ fn the_crate_table_lists_the_crates_there_are() {
 fn the_library_knows_no_terminal_window_or_gpu() {
     let manifest = read(root().join("crates/plisse/Cargo.toml"));
     for forbidden in ["clap", "indicatif", "ctrlc", "wgpu", "egui", "eframe", "pyo3"] {
-        let named = manifest.lines().any(|line| line.starts_with(&format!("{forbidden}.")) || line.starts_with(&format!("{forbidden} ")));
+        let named = manifest.lines().any(|line| {
+            line.starts_with(&format!("{forbidden}.")) || line.starts_with(&format!("{forbidden} "))
+        });
         assert!(!named, "crates/plisse depends on {forbidden}");
     }
     // The shown invariant names them too.
     let text = read(root().join("ARCHITECTURE.md"));
-    assert!(["clap", "indicatif", "wgpu", "egui", "pyo3"].iter().all(|name| text.contains(&format!("`{name}`"))));
+    assert!(
+        ["clap", "indicatif", "wgpu", "egui", "pyo3"]
+            .iter()
+            .all(|name| text.contains(&format!("`{name}`")))
+    );
 }
 
 #[test]
@@ -52,14 +74,20 @@ fn modules_use_only_what_lies_before_them() {
         if module == "lib" {
             continue;
         }
-        let own = rank(&module).unwrap_or_else(|| panic!("ARCHITECTURE.md does not place the module {module}"));
+        let own = rank(&module)
+            .unwrap_or_else(|| panic!("ARCHITECTURE.md does not place the module {module}"));
         // Tests at the end of a file may use what they like.
         let text = read(&file);
         let code = text.split("#[cfg(test)]").next().unwrap();
         for part in code.split("crate::").skip(1) {
-            let used: String = part.chars().take_while(|c| c.is_ascii_lowercase() || *c == '_').collect();
+            let used: String =
+                part.chars().take_while(|c| c.is_ascii_lowercase() || *c == '_').collect();
             if let Some(other) = rank(&used) {
-                assert!(other <= own, "{} uses crate::{used}, which comes after {module}", file.display());
+                assert!(
+                    other <= own,
+                    "{} uses crate::{used}, which comes after {module}",
+                    file.display()
+                );
                 checked += 1;
             }
         }

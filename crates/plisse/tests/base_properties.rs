@@ -1,4 +1,5 @@
-//! What any right base solve does: known states of a pulled and of a slack sheet, invariance, and honest reports.
+//! What any right base solve does: known states of a pulled and of a slack sheet, invariance, and
+//! honest reports.
 
 mod sheets;
 
@@ -28,7 +29,13 @@ fn area_ratios(sheet: &Sheet, pose: &[Vec3]) -> Vec<f64> {
         let [a, b, c] = f.map(|v| pose[v]);
         0.5 * (b - a).cross(&(c - a)).norm()
     };
-    sheet.topology.faces.iter().zip(&sheet.rest.faces).map(|(f, rest)| area(f) / rest.area_m2).collect()
+    sheet
+        .topology
+        .faces
+        .iter()
+        .zip(&sheet.rest.faces)
+        .map(|(f, rest)| area(f) / rest.area_m2)
+        .collect()
 }
 
 // ── Pulled ──────────────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -49,14 +56,18 @@ fn pulled_strip(pull: f64) -> (Sheet, Clamps) {
     (sheet, clamps)
 }
 
-/// Uniaxial stress: λ₂ = −νλ₁, and Y/2·λ₁² per area, times h/4. Of St. Venant–Kirchhoff's energy α/2·(λ₁+λ₂)² + β(λ₁²+λ₂²), the λ₂ of
-/// least energy is −α/(α+2β)·λ₁ = −νλ₁.
+/// Uniaxial stress: λ₂ = −νλ₁, and Y/2·λ₁² per area, times h/4. Of St. Venant–Kirchhoff's energy
+/// α/2·(λ₁+λ₂)² + β(λ₁²+λ₂²), the λ₂ of least energy is −α/(α+2β)·λ₁ = −νλ₁.
 #[test]
 fn a_pulled_strip_narrows_by_poissons_ratio() {
     for pull in [0.01, 0.1, 0.3] {
         let (sheet, clamps) = pulled_strip(pull);
         let (pose, report) = base(&sheet, &clamps, &BaseOptions::default());
-        assert!(matches!(report.ending, Ending::Converged | Ending::RoundOff), "{:?}", report.ending);
+        assert!(
+            matches!(report.ending, Ending::Converged | Ending::RoundOff),
+            "{:?}",
+            report.ending
+        );
         let m = material();
         let lambda = (1.0 + pull) * (1.0 + pull) - 1.0;
         let narrow = (1.0 - m.poisson * lambda).sqrt();
@@ -64,14 +75,19 @@ fn a_pulled_strip_narrows_by_poissons_ratio() {
         for (p, q) in sheet.pose.iter().zip(&pose) {
             worst = worst.max((q - Vec3::new(p.x * (1.0 + pull), p.y * narrow, 0.0)).norm());
         }
-        let energy = m.young_pa / 2.0 * m.thickness_m / 4.0 * lambda * lambda * sheet.rest.area_m2();
+        let energy =
+            m.young_pa / 2.0 * m.thickness_m / 4.0 * lambda * lambda * sheet.rest.area_m2();
         eprintln!(
             "pull {pull}: {worst:.1e} m off, energy {:.1e} off, {} iterations",
             report.energy_joule / energy - 1.0,
             report.iterations
         );
         assert!(worst < 1e-6, "pulled by {pull}: a vertex is {worst:e} m off");
-        assert!((report.energy_joule / energy - 1.0).abs() < 1e-8, "pulled by {pull}: {} J, not {energy}", report.energy_joule);
+        assert!(
+            (report.energy_joule / energy - 1.0).abs() < 1e-8,
+            "pulled by {pull}: {} J, not {energy}",
+            report.energy_joule
+        );
         assert_eq!(report.states[0], 0, "no face is slack");
         assert!(report.collapsed_faces.is_empty() && report.inverted_faces.is_empty());
     }
@@ -101,7 +117,8 @@ fn a_sheet_pulled_both_ways_is_taut() {
         assert!((p - q).norm() < 1e-8, "{p:?} {q:?}");
     }
     let strain = plisse::mesh::Mat2::new(1.04 * 1.04 - 1.0, 0.0, 0.0, 1.07 * 1.07 - 1.0);
-    let energy = material().thickness_m / 4.0 * material().norm_squared(&strain) * sheet.rest.area_m2();
+    let energy =
+        material().thickness_m / 4.0 * material().norm_squared(&strain) * sheet.rest.area_m2();
     assert!((report.energy_joule / energy - 1.0).abs() < 1e-9);
 }
 
@@ -114,9 +131,9 @@ fn slack_strip() -> (Sheet, Clamps) {
 
 /// Tension field theory has no energy for a slack sheet.
 ///
-/// With a share s of compressive stiffness, the sheet gets broader, by λ₂ = u, until (1−s)·Y/2·u² + s·(α/2·(λ+u)² + β(λ²+u²)) is
-/// least: at u = −sαλ/((1−s)Y + s(α+2β)). For s = 1, the full shell, that is u = −νλ (it would buckle, but nothing pushes it from
-/// the plane).
+/// With a share s of compressive stiffness, the sheet gets broader, by λ₂ = u, until (1−s)·Y/2·u² +
+/// s·(α/2·(λ+u)² + β(λ²+u²)) is least: at u = −sαλ/((1−s)Y + s(α+2β)). For s = 1, the full shell,
+/// that is u = −νλ (it would buckle, but nothing pushes it from the plane).
 #[test]
 fn a_slack_sheet_has_no_energy_unless_it_resists_compression() {
     let (sheet, clamps) = slack_strip();
@@ -124,20 +141,42 @@ fn a_slack_sheet_has_no_energy_unless_it_resists_compression() {
     let (m, volume) = (material(), material().thickness_m / 4.0 * sheet.rest.area_m2());
     let full = |u: f64| volume * m.norm_squared(&plisse::mesh::Mat2::new(lambda, 0.0, 0.0, u));
     let (_, slack) = base(&sheet, &clamps, &BaseOptions::default());
-    assert!(slack.energy_joule.abs() < 1e-6 * full(0.0), "{:e} of {:e} J", slack.energy_joule, full(0.0));
+    assert!(
+        slack.energy_joule.abs() < 1e-6 * full(0.0),
+        "{:e} of {:e} J",
+        slack.energy_joule,
+        full(0.0)
+    );
     for s in [0.01, 0.3, 1.0] {
-        let u = -s * m.alpha() * lambda / ((1.0 - s) * m.young_pa + s * (m.alpha() + 2.0 * m.beta()));
+        let u =
+            -s * m.alpha() * lambda / ((1.0 - s) * m.young_pa + s * (m.alpha() + 2.0 * m.beta()));
         let energy = (1.0 - s) * volume * m.young_pa / 2.0 * u * u + s * full(u);
-        let (pose, report) = base(&sheet, &clamps, &BaseOptions { compressive_stiffness: s, ..BaseOptions::default() });
-        eprintln!("share {s}: energy {:.1e} off, {} iterations", report.energy_joule / energy - 1.0, report.iterations);
-        assert!((report.energy_joule / energy - 1.0).abs() < 1e-8, "share {s}: {} J, not {energy}", report.energy_joule);
+        let (pose, report) = base(
+            &sheet,
+            &clamps,
+            &BaseOptions { compressive_stiffness: s, ..BaseOptions::default() },
+        );
+        eprintln!(
+            "share {s}: energy {:.1e} off, {} iterations",
+            report.energy_joule / energy - 1.0,
+            report.iterations
+        );
+        assert!(
+            (report.energy_joule / energy - 1.0).abs() < 1e-8,
+            "share {s}: {} J, not {energy}",
+            report.energy_joule
+        );
         let wanted = |p: &Vec3| Vec3::new(0.95 * p.x, (1.0 + u).sqrt() * p.y, 0.0);
-        assert!(sheet.pose.iter().zip(&pose).all(|(p, q)| (q - wanted(p)).norm() < 1e-6), "share {s}");
+        assert!(
+            sheet.pose.iter().zip(&pose).all(|(p, q)| (q - wanted(p)).norm() < 1e-6),
+            "share {s}"
+        );
     }
 }
 
-/// From a crumpled start, tension field theory leaves a slack sheet crumpled where the sheet is so thin that bending is lost in the
-/// tolerance (bending smooths in-plane too, since it is quadratic in all coordinates); a little compressive stiffness evens it out.
+/// From a crumpled start, tension field theory leaves a slack sheet crumpled where the sheet is so
+/// thin that bending is lost in the tolerance (bending smooths in-plane too, since it is quadratic
+/// in all coordinates); a little compressive stiffness evens it out.
 #[test]
 fn compressive_stiffness_evens_out_a_slack_sheet() {
     let (mut sheet, clamps) = slack_strip();
@@ -148,9 +187,11 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
     let uneven = |share: f64| {
         let options = BaseOptions { compressive_stiffness: share, ..BaseOptions::default() };
         let thin = Material { thickness_m: 1e-7, ..material() };
-        let (pose, report) = solve_base(&sheet.setup(&thin, &clamps), &sheet.pose, &options, &Silent).unwrap();
+        let (pose, report) =
+            solve_base(&sheet.setup(&thin, &clamps), &sheet.pose, &options, &Silent).unwrap();
         let ratios = area_ratios(&sheet, &pose);
-        let (low, high) = ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
+        let (low, high) =
+            ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
         eprintln!(
             "share {share}: areas {low:.3} to {high:.3}, {} collapsed, {} inverted, {:?} after {}",
             report.collapsed_faces.len(),
@@ -161,7 +202,12 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
         (high - low, report.collapsed_faces.len() + report.inverted_faces.len())
     };
     let (none, little) = (uneven(0.0), uneven(1e-2));
-    assert!(little.0 < 0.5 * none.0, "areas vary by {} without and {} with stiffness", none.0, little.0);
+    assert!(
+        little.0 < 0.5 * none.0,
+        "areas vary by {} without and {} with stiffness",
+        none.0,
+        little.0
+    );
     assert_eq!(little.1, 0, "no face is collapsed or inverted");
 }
 
@@ -170,8 +216,10 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
 #[test]
 fn rigid_motions_move_the_result_along() {
     let (sheet, clamps) = twisted_cylinder(0.45);
-    let solve =
-        |sheet: &Sheet, clamps: &Clamps| solve_base(&sheet.setup(&mylar(), clamps), &sheet.pose, &BaseOptions::default(), &Silent).unwrap();
+    let solve = |sheet: &Sheet, clamps: &Clamps| {
+        solve_base(&sheet.setup(&mylar(), clamps), &sheet.pose, &BaseOptions::default(), &Silent)
+            .unwrap()
+    };
     let (pose, report) = solve(&sheet, &clamps);
     let turn = Rotation3::from_euler_angles(0.3, 1.1, -0.6);
     let motion = |p: Vec3| turn * p + Vec3::new(4.0, -3.0, 2.0);
@@ -183,7 +231,10 @@ fn rigid_motions_move_the_result_along() {
     }
     let (moved, moved_report) = solve(&sheet.clone().posed(motion), &moved_clamps);
     let worst = pose.iter().zip(&moved).map(|(p, q)| (motion(*p) - q).norm()).fold(0.0, f64::max);
-    eprintln!("{worst:.1e} m off, energy {:.1e} off", moved_report.energy_joule / report.energy_joule - 1.0);
+    eprintln!(
+        "{worst:.1e} m off, energy {:.1e} off",
+        moved_report.energy_joule / report.energy_joule - 1.0
+    );
     assert!(worst < 1e-6, "{worst:e} m");
     assert!((moved_report.energy_joule / report.energy_joule - 1.0).abs() < 1e-9);
 }
@@ -195,9 +246,13 @@ fn any_number_of_threads_gives_the_same_bits() {
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let options = BaseOptions::default();
-        pool.install(|| solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &Silent).unwrap())
+        pool.install(|| {
+            solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &Silent).unwrap()
+        })
     };
-    let bits = |pose: &[Vec3]| -> Vec<u64> { pose.iter().flat_map(|p| p.iter().map(|x| x.to_bits())).collect() };
+    let bits = |pose: &[Vec3]| -> Vec<u64> {
+        pose.iter().flat_map(|p| p.iter().map(|x| x.to_bits())).collect()
+    };
     let (one, two) = (with(1), with(2));
     assert_eq!(bits(&one.0), bits(&two.0));
     assert_eq!(one.1.energy_joule.to_bits(), two.1.energy_joule.to_bits());
@@ -218,9 +273,13 @@ fn energy_never_rises() {
     let (sheet, clamps) = twisted_cylinder(0.45);
     let energies = Energies(Mutex::new(Vec::new()));
     let options = BaseOptions::default();
-    let (_, report) = solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &energies).unwrap();
+    let (_, report) =
+        solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &energies).unwrap();
     let energies = energies.0.into_inner().unwrap();
-    assert!(energies.len() > 2 && energies.windows(2).all(|p| p[1] <= p[0] * (1.0 + 1e-12)), "{energies:?}");
+    assert!(
+        energies.len() > 2 && energies.windows(2).all(|p| p[1] <= p[0] * (1.0 + 1e-12)),
+        "{energies:?}"
+    );
     assert_eq!(energies[energies.len() - 1].to_bits(), report.energy_joule.to_bits());
 }
 
@@ -245,7 +304,8 @@ fn squares() -> Sheet {
             faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
         }
     }
-    let positions: Vec<Vec3> = (0..25).map(|v| Vec3::new((v % 5) as f64, (v / 5) as f64, 0.0)).collect();
+    let positions: Vec<Vec3> =
+        (0..25).map(|v| Vec3::new((v % 5) as f64, (v / 5) as f64, 0.0)).collect();
     Sheet::new(positions.clone(), faces.clone(), faces, positions)
 }
 
@@ -253,7 +313,8 @@ fn squares() -> Sheet {
 fn defects_are_found_where_they_were_made() {
     let mut sheet = squares();
     assert_eq!(defects(&sheet.topology, &sheet.rest, &sheet.pose), (vec![], vec![]));
-    // Vertex 12 on the edge from 6 to 7 (between (1, 1) and (2, 1)): the face of these three has no area.
+    // Vertex 12 on the edge from 6 to 7 (between (1, 1) and (2, 1)): the face of these three has no
+    // area.
     sheet.pose[12] = Vec3::new(1.5, 1.0, 0.0);
     let (collapsed, inverted) = defects(&sheet.topology, &sheet.rest, &sheet.pose);
     let of = |corners: [usize; 3]| {
@@ -265,7 +326,10 @@ fn defects_are_found_where_they_were_made() {
     let target = of([6, 7, 12]);
     sheet.pose[12] = Vec3::new(1.6, 0.8, 0.0);
     let (collapsed, inverted) = defects(&sheet.topology, &sheet.rest, &sheet.pose);
-    assert!(collapsed.is_empty() && inverted.contains(&target), "{collapsed:?} {inverted:?}, not {target}");
+    assert!(
+        collapsed.is_empty() && inverted.contains(&target),
+        "{collapsed:?} {inverted:?}, not {target}"
+    );
     eprintln!("inverted {inverted:?}");
 }
 

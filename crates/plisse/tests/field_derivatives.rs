@@ -1,5 +1,5 @@
-//! Gradient and Hessian of the whole field problem against differences, at random states and several step sizes, on meshes with
-//! loops (b₁ = 0, 1, 2), held vertices and wrinkle-free faces.
+//! Gradient and Hessian of the whole field problem against differences, at random states and
+//! several step sizes, on meshes with loops (b₁ = 0, 1, 2), held vertices and wrinkle-free faces.
 //!
 //! That single elements are right is tested beside them; here it is how they are put together.
 
@@ -22,7 +22,8 @@ use plisse::strain::strain;
 use derivative_check::{gradient_error, hessian_error};
 use sheets::{Random, Sheet, mylar, twisted_ring};
 
-/// A torus of `n × m` squares, each cut in two, over a rest metric of flat squares of 1 × 1 m that the pose shortens one way.
+/// A torus of `n × m` squares, each cut in two, over a rest metric of flat squares of 1 × 1 m that
+/// the pose shortens one way.
 fn torus(n: usize, m: usize) -> (Topology, RestMetric, Vec<Vec3>) {
     let at = |i: usize, j: usize| (j % m) * n + i % n;
     let (mut faces, mut rest) = (Vec::new(), Vec::new());
@@ -38,7 +39,8 @@ fn torus(n: usize, m: usize) -> (Topology, RestMetric, Vec<Vec3>) {
     let mut random = Random(77);
     let positions = (0..n * m)
         .map(|v| {
-            let [a, b] = [(v % n) as f64 / n as f64, (v / n) as f64 / m as f64].map(|t| t * std::f64::consts::TAU);
+            let [a, b] = [(v % n) as f64 / n as f64, (v / n) as f64 / m as f64]
+                .map(|t| t * std::f64::consts::TAU);
             let radius = 3.0 + 0.8 * b.cos();
             let noise = Vec3::new(random.sign_unit(), random.sign_unit(), random.sign_unit());
             Vec3::new(radius * a.cos(), radius * a.sin(), 0.8 * b.sin()) * 0.4 + noise * 0.05
@@ -59,7 +61,9 @@ fn worst_errors(
     let strain = strain(topology, rest, positions);
     let curvature = second_forms(topology, positions, 2);
     let densities: Vec<Density> = (0..topology.face_count())
-        .map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], &mylar(), &Default::default()))
+        .map(|f| {
+            Density::new(&rest.faces[f], &strain[f], &curvature[f], &mylar(), &Default::default())
+        })
         .collect();
     let forms = ClosedForms::new(topology, wrinkle_free);
     assert_eq!(forms.generators.len(), loops);
@@ -68,7 +72,8 @@ fn worst_errors(
         still[v] |= held[v];
     }
     // Units that are no powers of ten nor one, so that a lost one shows.
-    let mut problem = FieldProblem::new(topology, &forms, wrinkle_free, &still, &densities, 0.037, 0.61);
+    let mut problem =
+        FieldProblem::new(topology, &forms, wrinkle_free, &still, &densities, 0.037, 0.61);
     let n = problem.size();
     let mut random = Random(3);
     let mut worst = (0.0_f64, 0.0_f64);
@@ -83,7 +88,8 @@ fn worst_errors(
         };
         worst.1 = worst.1.max(hessian_error(&x, 1.0, &hessian, |y| at(&mut problem, y)));
         // The comparison sees an error of 1e-4 in one component.
-        let largest = (0..n).max_by(|&i, &j| gradient[i].abs().total_cmp(&gradient[j].abs())).unwrap();
+        let largest =
+            (0..n).max_by(|&i, &j| gradient[i].abs().total_cmp(&gradient[j].abs())).unwrap();
         gradient[largest] *= 1.0001;
         assert!(gradient_error(&x, 1.0, &gradient, |y| problem.energy(y)) > 5e-5);
     }
@@ -117,7 +123,8 @@ fn assert_right(name: &str, (gradient, hessian): (f64, f64)) {
 
 #[test]
 fn without_loops() {
-    let sheet = Sheet::rectangle(1.0, 0.6, 0.2, 6).posed(|p| Vec3::new(0.95 * p.x, 1.02 * p.y, 0.2 * p.y * p.y));
+    let sheet = Sheet::rectangle(1.0, 0.6, 0.2, 6)
+        .posed(|p| Vec3::new(0.95 * p.x, 1.02 * p.y, 0.2 * p.y * p.y));
     let mut held = sheet.held.clone();
     held[3] = true;
     held[9] = true;
@@ -131,7 +138,10 @@ fn around_one_loop() {
     let strain = strain(&ring.topology, &ring.rest, &ring.pose);
     let free = wrinkle_free_faces(&ring.topology, &strain, WrinkleFreeRule::Paper);
     assert!(free.iter().any(|f| *f));
-    assert_right("ring", worst_errors(&ring.topology, &ring.rest, &ring.pose, &ring.held, &free, 1));
+    assert_right(
+        "ring",
+        worst_errors(&ring.topology, &ring.rest, &ring.pose, &ring.held, &free, 1),
+    );
 }
 
 #[test]
@@ -139,10 +149,16 @@ fn around_the_loops_of_a_torus() {
     let (topology, rest, positions) = torus(6, 5);
     let (vertices, faces) = (positions.len(), topology.face_count());
     let mut free = vec![false; faces];
-    assert_right("torus", worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 2));
+    assert_right(
+        "torus",
+        worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 2),
+    );
     // Two holes, of one square each: the second adds a loop.
     for f in [12, 13, 40, 41] {
         free[f] = true;
     }
-    assert_right("torus with holes", worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 3));
+    assert_right(
+        "torus with holes",
+        worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 3),
+    );
 }

@@ -1,9 +1,11 @@
-//! The field solve against answers that others found: the published amplitudes of the paper's inflated disk, and energies,
-//! amplitudes and turns of disk and twisted cylinder measured with an independent trial solver.
+//! The field solve against answers that others found: the published amplitudes of the paper's
+//! inflated disk, and energies, amplitudes and turns of disk and twisted cylinder measured with an
+//! independent trial solver.
 //!
-//! The data is not part of the project; it lies in `shared/data` beside the clone (`../../../shared/data` from this crate), on
-//! the machines of the project and in CI. Without it these tests compare nothing: each says so on the error stream (nextest
-//! hides that for passing tests; `--success-output immediate` shows it) and returns. With `PLISSE_NEED_DATA` set, as CI
+//! The data is not part of the project; it lies in `shared/data` beside the clone
+//! (`../../../shared/data` from this crate), on the machines of the project and in CI. Without it
+//! these tests compare nothing: each says so on the error stream (nextest hides that for passing
+//! tests; `--success-output immediate` shows it) and returns. With `PLISSE_NEED_DATA` set, as CI
 //! should, missing data fails.
 
 mod sheets;
@@ -41,7 +43,10 @@ fn options() -> FieldOptions {
 fn assert_near(name: &str, found: f64, wanted: f64, relative: f64) {
     let off = (found / wanted - 1.0).abs();
     note(name, found, off);
-    assert!(off < relative, "{name} is {found:e}, {off:.1e} from {wanted:e}; at most {relative:e} is allowed");
+    assert!(
+        off < relative,
+        "{name} is {found:e}, {off:.1e} from {wanted:e}; at most {relative:e} is allowed"
+    );
 }
 
 fn note(name: &str, found: f64, off: f64) {
@@ -82,7 +87,8 @@ fn the_disk_has_the_published_amplitudes() {
 fn the_cylinder_has_47_waves() {
     let Some(folder) = data("cylinder-688") else { return };
     let mut sheet = load(&folder);
-    for v in clamp_file::read_clamped_vertices(&folder.join("clamp.dat"), sheet.held.len()).unwrap() {
+    for v in clamp_file::read_clamped_vertices(&folder.join("clamp.dat"), sheet.held.len()).unwrap()
+    {
         sheet.held[v] = true;
     }
     let solved = sheet.solve(&mylar(), &options());

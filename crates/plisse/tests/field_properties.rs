@@ -1,5 +1,6 @@
-//! What any right field solve does, whatever the mesh: closed forms of simple states, invariances, a field that is whole, and
-//! a solve that goes downhill, is the same for any number of threads and can be stopped.
+//! What any right field solve does, whatever the mesh: closed forms of simple states, invariances,
+//! a field that is whole, and a solve that goes downhill, is the same for any number of threads and
+//! can be stopped.
 
 mod sheets;
 
@@ -43,7 +44,8 @@ fn turns(solved: &Solved) -> Vec<i64> {
 
 // ── Closed forms ────────────────────────────────────────────────────────────────────────────────────────────────────────
 
-/// ω of face `f` as a vector (rad/m) in the plane of a flat rest shape: its face frame's first vector runs along edge 0→1.
+/// ω of face `f` as a vector (rad/m) in the plane of a flat rest shape: its face frame's first
+/// vector runs along edge 0→1.
 fn frequency_in_rest_plane(sheet: &Sheet, field: &WrinkleField, f: usize) -> Vec3 {
     let [a, b, _] = sheet.rest_faces[f].map(|r| sheet.rest_positions[r]);
     let x = (b - a).normalize();
@@ -55,14 +57,18 @@ fn frequency_in_rest_plane(sheet: &Sheet, field: &WrinkleField, f: usize) -> Vec
 /// Faces of a unit square whose middle is at least `margin_m` from the edges.
 fn inner_faces(sheet: &Sheet, margin_m: f64) -> Vec<usize> {
     let inside = |x: f64| x > margin_m && x < 1.0 - margin_m;
-    (0..sheet.topology.face_count()).filter(|&f| inside(sheet.middle(f).x) && inside(sheet.middle(f).y)).collect()
+    (0..sheet.topology.face_count())
+        .filter(|&f| inside(sheet.middle(f).x) && inside(sheet.middle(f).y))
+        .collect()
 }
 
-/// A flat square sheet of 1 m, 2 % short along x, with zero amplitude where crests end. (Were no vertex held, energy would fall
-/// without end towards infinitely long waves: bending is the only resistance then.)
+/// A flat square sheet of 1 m, 2 % short along x, with zero amplitude where crests end. (Were no
+/// vertex held, energy would fall without end towards infinitely long waves: bending is the only
+/// resistance then.)
 fn shortened_sheet() -> (Sheet, f64) {
     let short = 0.02;
-    let mut sheet = Sheet::rectangle(1.0, 1.0, 0.06, 3).posed(|p| Vec3::new((1.0 - short) * p.x, p.y, 0.0));
+    let mut sheet =
+        Sheet::rectangle(1.0, 1.0, 0.06, 3).posed(|p| Vec3::new((1.0 - short) * p.x, p.y, 0.0));
     for v in 0..sheet.pose.len() {
         sheet.held[v] = sheet.pose[v].y < 1e-9 || sheet.pose[v].y > 1.0 - 1e-9;
     }
@@ -72,44 +78,58 @@ fn shortened_sheet() -> (Sheet, f64) {
 
 /// Eq. 8, face by face: ½a²|ω|² = ε in the middle of a thin sheet.
 ///
-/// With bending it is a little less. For da = 0 and ω along the compression, only r = ½a²ω² − ε is left of the strain: eqs. 21 and
-/// 26 give the density h/4·γ·r² + h³/24·γ·a²ω⁴, γ = α/2 + β. Its derivative in a² is zero where h/4·γ·2r·½ω² + h³/24·γ·ω⁴ = 0, that
-/// is r = −h²ω²/6. So ½a²ω²/ε = 1 − h²ω²/(6ε): 2 % off at h = 3 mm, 2e-4 at 0.1 mm. This fails if stretching or bending has a wrong
-/// factor (a factor 2 in bending moves the first by 0.02, of which 0.002 are allowed).
+/// With bending it is a little less. For da = 0 and ω along the compression, only r = ½a²ω² − ε is
+/// left of the strain: eqs. 21 and 26 give the density h/4·γ·r² + h³/24·γ·a²ω⁴, γ = α/2 + β. Its
+/// derivative in a² is zero where h/4·γ·2r·½ω² + h³/24·γ·ω⁴ = 0, that is r = −h²ω²/6. So ½a²ω²/ε =
+/// 1 − h²ω²/(6ε): 2 % off at h = 3 mm, 2e-4 at 0.1 mm. This fails if stretching or bending has a
+/// wrong factor (a factor 2 in bending moves the first by 0.02, of which 0.002 are allowed).
 #[test]
 fn a_shortened_sheet_takes_up_its_strain() {
     let (sheet, epsilon) = shortened_sheet();
     let mut last_off = f64::INFINITY;
     for (thickness_m, allowed) in [(3e-3, 0.03), (6e-4, 0.02), (1e-4, 0.01)] {
-        let solved = sheet.solve(&Material::new(1e7, 0.3, thickness_m).unwrap(), &FieldOptions::default());
+        let solved =
+            sheet.solve(&Material::new(1e7, 0.3, thickness_m).unwrap(), &FieldOptions::default());
         assert_eq!(solved.report.ending, Ending::Converged);
         let (mut ratios, mut from_bending) = (Vec::new(), Vec::new());
         for f in inner_faces(&sheet, 0.2) {
             let w = frequency_in_rest_plane(&sheet, &solved.field, f);
             assert!((w.y / w.x).abs() < 0.03, "face {f}: crests are not along y, {w:?}");
-            let ratio = 0.5 * mean_square_amplitude(&sheet.topology, &solved.field, f) * w.norm_squared() / epsilon;
-            assert!((ratio - 1.0).abs() < allowed, "face {f}, h = {thickness_m}: ½a²|ω|² is {ratio} of ε");
+            let ratio =
+                0.5 * mean_square_amplitude(&sheet.topology, &solved.field, f) * w.norm_squared()
+                    / epsilon;
+            assert!(
+                (ratio - 1.0).abs() < allowed,
+                "face {f}, h = {thickness_m}: ½a²|ω|² is {ratio} of ε"
+            );
             from_bending.push(ratio - 1.0 + (thickness_m * w.norm()).powi(2) / (6.0 * epsilon));
             ratios.push(ratio);
         }
         assert!(ratios.len() > 100);
         let ((mean, spread), (off, _)) = (mean_and_spread(&ratios), mean_and_spread(&from_bending));
-        eprintln!("h = {thickness_m}: ½a²|ω|²/ε is {mean} ± {spread:.1e}, {off:.1e} from 1 − h²ω²/6ε");
+        eprintln!(
+            "h = {thickness_m}: ½a²|ω|²/ε is {mean} ± {spread:.1e}, {off:.1e} from 1 − h²ω²/6ε"
+        );
         assert!(off.abs() < 2e-3, "h = {thickness_m}: {off}");
-        assert!((mean - 1.0).abs() < 0.3 * last_off, "h = {thickness_m}: mean {mean}, no nearer than {last_off}");
+        assert!(
+            (mean - 1.0).abs() < 0.3 * last_off,
+            "h = {thickness_m}: mean {mean}, no nearer than {last_off}"
+        );
         last_off = (mean - 1.0).abs();
     }
     assert!(last_off < 5e-4, "{last_off}");
 }
 
-/// Mean of |ω| over the middle of a square sheet of 1 m, bent along y to radius `radius_m`, pulled 0.2 % along y and 2 % short along x,
-/// relative to the closed form.
+/// Mean of |ω| over the middle of a square sheet of 1 m, bent along y to radius `radius_m`, pulled
+/// 0.2 % along y and 2 % short along x, relative to the closed form.
 ///
-/// Crests run along y, over the curvature κ = 1/R. With constant a and ω, the density is k₀ + a²(pω² + k₄ + k₅ω⁴) + k₇a⁴ω⁴ with
-/// k₄ = h/4·4β(α+β)/(α+2β)·κ²q² (eq. 22) and k₅ = h³/24·(α/2+β) (eq. 26). Zero derivatives in a² and in ω are
-/// pω² + k₄ + k₅ω⁴ + 2k₇a²ω⁴ = 0 and p + 2k₅ω² + 2k₇a²ω² = 0 (once divided by 2a²ω). ω² times the second from the first leaves
-/// k₄ = k₅ω⁴, whatever the membrane does: curvature and bending hold equal energies. Since 4β(α+β)/(α+2β) = Y and
-/// α + 2β = Y/(1−ν²), ω⁴ = 12(1−ν²)·(κq/h)². κ is that of the pose, and q = (1 + 0.002)² refers it to rest lengths.
+/// Crests run along y, over the curvature κ = 1/R. With constant a and ω, the density is k₀ +
+/// a²(pω² + k₄ + k₅ω⁴) + k₇a⁴ω⁴ with k₄ = h/4·4β(α+β)/(α+2β)·κ²q² (eq. 22) and k₅ = h³/24·(α/2+β)
+/// (eq. 26). Zero derivatives in a² and in ω are pω² + k₄ + k₅ω⁴ + 2k₇a²ω⁴ = 0 and p + 2k₅ω² +
+/// 2k₇a²ω² = 0 (once divided by 2a²ω). ω² times the second from the first leaves k₄ = k₅ω⁴,
+/// whatever the membrane does: curvature and bending hold equal energies. Since 4β(α+β)/(α+2β) = Y
+/// and α + 2β = Y/(1−ν²), ω⁴ = 12(1−ν²)·(κq/h)². κ is that of the pose, and q = (1 + 0.002)² refers
+/// it to rest lengths.
 fn frequency_over_curvature(edge_length_m: f64, radius_m: f64, thickness_m: f64) -> f64 {
     let (short, pull, poisson) = (0.02, 0.002, 0.3);
     let sheet = Sheet::rectangle(1.0, 1.0, edge_length_m, 5).posed(|p| {
@@ -119,10 +139,12 @@ fn frequency_over_curvature(edge_length_m: f64, radius_m: f64, thickness_m: f64)
     // Chords are shorter than arcs; the pull must make up for that, or eq. 22 takes no part.
     assert!(strain(&sheet.topology, &sheet.rest, &sheet.pose).iter().all(|s| s.is_mixed()));
     let material = Material::new(1e7, poisson, thickness_m).unwrap();
-    let solved = sheet.solve(&material, &FieldOptions { curvature_rings: 2, ..FieldOptions::default() });
+    let solved =
+        sheet.solve(&material, &FieldOptions { curvature_rings: 2, ..FieldOptions::default() });
     assert_eq!(solved.report.ending, Ending::Converged);
     let q = (1.0_f64 + pull).powi(2);
-    let wanted = (12.0 * (1.0 - poisson * poisson)).powf(0.25) * (q / (radius_m * thickness_m)).sqrt();
+    let wanted =
+        (12.0 * (1.0 - poisson * poisson)).powf(0.25) * (q / (radius_m * thickness_m)).sqrt();
     let ratios: Vec<f64> = inner_faces(&sheet, 0.25)
         .into_iter()
         .map(|f| {
@@ -132,15 +154,20 @@ fn frequency_over_curvature(edge_length_m: f64, radius_m: f64, thickness_m: f64)
         })
         .collect();
     let (mean, spread) = mean_and_spread(&ratios);
-    eprintln!("edge {edge_length_m}, R {radius_m}, h {thickness_m}: ω is {mean:.6} ± {spread:.1e} of the closed form");
+    eprintln!(
+        "edge {edge_length_m}, R {radius_m}, h {thickness_m}: ω is {mean:.6} ± {spread:.1e} of the \
+         closed form"
+    );
     assert!(spread < 5e-3, "ω varies by {spread} over the middle");
     mean
 }
 
-/// The tolerance of 0.5 % notices a factor of 1.02 in eq. 22 or 26; that both thickness and radius vary notices a wrong power.
+/// The tolerance of 0.5 % notices a factor of 1.02 in eq. 22 or 26; that both thickness and radius
+/// vary notices a wrong power.
 #[test]
 fn crests_over_curvature_have_the_frequency_that_balances_bending() {
-    for (radius_m, thickness_m) in [(1.0, 1e-3), (1.0, 1e-4), (1.0, 1e-5), (2.0, 1e-4), (0.5, 1e-4)] {
+    for (radius_m, thickness_m) in [(1.0, 1e-3), (1.0, 1e-4), (1.0, 1e-5), (2.0, 1e-4), (0.5, 1e-4)]
+    {
         let ratio = frequency_over_curvature(0.05, radius_m, thickness_m);
         assert!((ratio - 1.0).abs() < 5e-3, "R = {radius_m}, h = {thickness_m}: {ratio}");
     }
@@ -156,14 +183,25 @@ fn ring_material() -> Material {
     Material::new(1e7, 0.3, 1e-3).unwrap()
 }
 
-/// What the invariances are tested on: b₁ = 1 for both, wrinkle-free faces in the first, curvature and a solved pose in the second.
+/// What the invariances are tested on: b₁ = 1 for both, wrinkle-free faces in the first, curvature
+/// and a solved pose in the second.
 fn cases() -> Vec<(&'static str, Sheet, Material)> {
-    vec![("ring", twisted_ring(0.15, 4), ring_material()), ("cylinder", twisted_cylinder_at_rest(0.45).0, mylar())]
+    vec![
+        ("ring", twisted_ring(0.15, 4), ring_material()),
+        ("cylinder", twisted_cylinder_at_rest(0.45).0, mylar()),
+    ]
 }
 
-/// Asserts that `moved` is the field of `plain` with lengths `length` times and energies `energy` times as large; amplitude `v` of
-/// `plain` is amplitude `vertex[v]` of `moved`.
-fn assert_same(name: &str, plain: &Solved, moved: &Solved, length: f64, energy: f64, vertex: &[usize]) {
+/// Asserts that `moved` is the field of `plain` with lengths `length` times and energies `energy`
+/// times as large; amplitude `v` of `plain` is amplitude `vertex[v]` of `moved`.
+fn assert_same(
+    name: &str,
+    plain: &Solved,
+    moved: &Solved,
+    length: f64,
+    energy: f64,
+    vertex: &[usize],
+) {
     let ratio = moved.report.energy_joule / (plain.report.energy_joule * energy);
     let back: Vec<f64> = vertex.iter().map(|&v| moved.field.amplitude_m[v] / length).collect();
     let off = largest_difference(&plain.field.amplitude_m, &back);
@@ -186,12 +224,23 @@ fn identity(n: usize) -> Vec<usize> {
 fn rigid_motions_change_nothing() {
     for (name, sheet, material) in cases() {
         let plain = sheet.solve(&material, &FieldOptions::default());
-        let (in_space, at_rest) = (Rotation3::from_euler_angles(0.7, -0.4, 2.1), Rotation3::from_euler_angles(-1.0, 0.3, 0.8));
+        let (in_space, at_rest) = (
+            Rotation3::from_euler_angles(0.7, -0.4, 2.1),
+            Rotation3::from_euler_angles(-1.0, 0.3, 0.8),
+        );
         let mut moved = sheet.clone().posed(|p| in_space * p + Vec3::new(3.0, -20.0, 7.0));
-        let rest_positions = moved.rest_positions.iter().map(|p| at_rest * p + Vec3::new(-5.0, 2.0, 1.0)).collect();
+        let rest_positions =
+            moved.rest_positions.iter().map(|p| at_rest * p + Vec3::new(-5.0, 2.0, 1.0)).collect();
         moved = Sheet::new(rest_positions, moved.rest_faces, moved.topology.faces, moved.pose);
         moved.held = sheet.held.clone();
-        assert_same(name, &plain, &moved.solve(&material, &FieldOptions::default()), 1.0, 1.0, &identity(sheet.pose.len()));
+        assert_same(
+            name,
+            &plain,
+            &moved.solve(&material, &FieldOptions::default()),
+            1.0,
+            1.0,
+            &identity(sheet.pose.len()),
+        );
     }
 }
 
@@ -200,7 +249,8 @@ fn rigid_motions_change_nothing() {
 fn turning_does_not_change_the_first_wavelength() {
     let sheet = Sheet::rectangle(1.0, 0.2, 0.1, 1);
     let turned = sheet.clone().posed(|p| Rotation3::from_euler_angles(0.0, 0.0, 0.7) * p);
-    let [plain, turned] = [&sheet, &turned].map(|s| plisse::field::initialise::first_wavelength_m(&mylar(), &s.pose));
+    let [plain, turned] =
+        [&sheet, &turned].map(|s| plisse::field::initialise::first_wavelength_m(&mylar(), &s.pose));
     assert!((turned / plain - 1.0).abs() < 1e-12, "{turned} m, not {plain}");
 }
 
@@ -210,7 +260,10 @@ fn numbering_changes_nothing() {
         let plain = sheet.solve(&material, &FieldOptions::default());
         let mut random = Random(11);
         for _ in 0..3 {
-            let (vertex, face) = (random.permutation(sheet.pose.len()), random.permutation(sheet.topology.face_count()));
+            let (vertex, face) = (
+                random.permutation(sheet.pose.len()),
+                random.permutation(sheet.topology.face_count()),
+            );
             let mut pose = sheet.pose.clone();
             let mut held = sheet.held.clone();
             for v in 0..pose.len() {
@@ -221,7 +274,14 @@ fn numbering_changes_nothing() {
             let rest_faces = face.iter().map(|&f| sheet.rest_faces[f]).collect();
             let mut moved = Sheet::new(sheet.rest_positions.clone(), rest_faces, faces, pose);
             moved.held = held;
-            assert_same(name, &plain, &moved.solve(&material, &FieldOptions::default()), 1.0, 1.0, &vertex);
+            assert_same(
+                name,
+                &plain,
+                &moved.solve(&material, &FieldOptions::default()),
+                1.0,
+                1.0,
+                &vertex,
+            );
         }
     }
 }
@@ -232,24 +292,42 @@ fn first_corners_change_nothing() {
     for (name, sheet, material) in cases() {
         let plain = sheet.solve(&material, &FieldOptions::default());
         let mut random = Random(5);
-        let shift: Vec<usize> = (0..sheet.topology.face_count()).map(|_| (random.next() % 3) as usize).collect();
+        let shift: Vec<usize> =
+            (0..sheet.topology.face_count()).map(|_| (random.next() % 3) as usize).collect();
         let turned = |faces: &[[usize; 3]]| -> Vec<[usize; 3]> {
             faces.iter().zip(&shift).map(|(f, &s)| [f[s], f[(s + 1) % 3], f[(s + 2) % 3]]).collect()
         };
-        let mut moved =
-            Sheet::new(sheet.rest_positions.clone(), turned(&sheet.rest_faces), turned(&sheet.topology.faces), sheet.pose.clone());
+        let mut moved = Sheet::new(
+            sheet.rest_positions.clone(),
+            turned(&sheet.rest_faces),
+            turned(&sheet.topology.faces),
+            sheet.pose.clone(),
+        );
         moved.held = sheet.held.clone();
-        assert_same(name, &plain, &moved.solve(&material, &FieldOptions::default()), 1.0, 1.0, &identity(sheet.pose.len()));
+        assert_same(
+            name,
+            &plain,
+            &moved.solve(&material, &FieldOptions::default()),
+            1.0,
+            1.0,
+            &identity(sheet.pose.len()),
+        );
     }
 }
 
-/// `sheet` with all lengths `length` times as large, and the material in the units in which Young's modulus is `stress` times as large.
+/// `sheet` with all lengths `length` times as large, and the material in the units in which Young's
+/// modulus is `stress` times as large.
 fn in_units(sheet: &Sheet, material: &Material, length: f64, stress: f64) -> (Sheet, Material) {
     let rest_positions = sheet.rest_positions.iter().map(|p| p * length).collect();
     let pose = sheet.pose.iter().map(|p| p * length).collect();
-    let mut scaled = Sheet::new(rest_positions, sheet.rest_faces.clone(), sheet.topology.faces.clone(), pose);
+    let mut scaled =
+        Sheet::new(rest_positions, sheet.rest_faces.clone(), sheet.topology.faces.clone(), pose);
     scaled.held = sheet.held.clone();
-    (scaled, Material::new(material.young_pa * stress, material.poisson, material.thickness_m * length).unwrap())
+    (
+        scaled,
+        Material::new(material.young_pa * stress, material.poisson, material.thickness_m * length)
+            .unwrap(),
+    )
 }
 
 #[test]
@@ -258,11 +336,19 @@ fn millimetres_and_megapascals_give_the_same_field() {
         let plain = sheet.solve(&material, &FieldOptions::default());
         let (scaled, scaled_material) = in_units(&sheet, &material, 1e3, 1e-6);
         // N·mm instead of J.
-        assert_same(name, &plain, &scaled.solve(&scaled_material, &FieldOptions::default()), 1e3, 1e3, &identity(sheet.pose.len()));
+        assert_same(
+            name,
+            &plain,
+            &scaled.solve(&scaled_material, &FieldOptions::default()),
+            1e3,
+            1e3,
+            &identity(sheet.pose.len()),
+        );
     }
 }
 
-/// Powers of two change no rounding, so that not a bit may differ unless some number has a unit that it does not admit.
+/// Powers of two change no rounding, so that not a bit may differ unless some number has a unit
+/// that it does not admit.
 #[test]
 fn units_that_are_powers_of_two_change_no_bit() {
     for (name, sheet, material) in cases() {
@@ -270,10 +356,21 @@ fn units_that_are_powers_of_two_change_no_bit() {
         for (length, stress) in [(1024.0, 1.0), (1024.0, 1.0 / 1_048_576.0), (1.0, 4096.0)] {
             let (scaled, scaled_material) = in_units(&sheet, &material, length, stress);
             let solved = scaled.solve(&scaled_material, &FieldOptions::default());
-            assert_eq!(plain.report.iterations, solved.report.iterations, "{name}, lengths × {length}, stresses × {stress}");
+            assert_eq!(
+                plain.report.iterations, solved.report.iterations,
+                "{name}, lengths × {length}, stresses × {stress}"
+            );
             let back: Vec<f64> = solved.field.amplitude_m.iter().map(|a| a / length).collect();
-            assert_eq!(bits(&plain.field.amplitude_m), bits(&back), "{name}, lengths × {length}, stresses × {stress}");
-            assert_eq!(bits(&plain.field.omega), bits(&solved.field.omega), "{name}, lengths × {length}, stresses × {stress}");
+            assert_eq!(
+                bits(&plain.field.amplitude_m),
+                bits(&back),
+                "{name}, lengths × {length}, stresses × {stress}"
+            );
+            assert_eq!(
+                bits(&plain.field.omega),
+                bits(&solved.field.omega),
+                "{name}, lengths × {length}, stresses × {stress}"
+            );
         }
     }
 }
@@ -308,14 +405,22 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn assert_whole(name: &str, sheet: &Sheet, field: &WrinkleField) {
     let topology = &sheet.topology;
     assert!(field.amplitude_m.iter().all(|&a| a >= 0.0 && a.is_finite()), "{name}");
-    assert!((0..sheet.pose.len()).all(|v| !sheet.held[v] || field.amplitude_m[v] == 0.0), "{name}: a held vertex moves");
+    assert!(
+        (0..sheet.pose.len()).all(|v| !sheet.held[v] || field.amplitude_m[v] == 0.0),
+        "{name}: a held vertex moves"
+    );
     let size = field.omega.iter().fold(0.0_f64, |m, w| m.max(w.abs()));
     for f in 0..topology.face_count() {
         if field.wrinkle_free[f] {
             assert_eq!(field.phase[f], [0.0; 3], "{name}, face {f}");
-            assert!(topology.faces[f].iter().all(|&v| field.amplitude_m[v] == 0.0), "{name}, face {f}");
+            assert!(
+                topology.faces[f].iter().all(|&v| field.amplitude_m[v] == 0.0),
+                "{name}, face {f}"
+            );
         } else {
-            let sum: f64 = (0..3).map(|k| topology.side_sign(f, k) * field.omega[topology.face_edges[f][k]]).sum();
+            let sum: f64 = (0..3)
+                .map(|k| topology.side_sign(f, k) * field.omega[topology.face_edges[f][k]])
+                .sum();
             assert!(sum.abs() <= 1e-12 * size, "{name}, face {f}: ω is open by {sum:e}");
         }
     }
@@ -327,7 +432,10 @@ fn assert_whole(name: &str, sheet: &Sheet, field: &WrinkleField) {
                 let at = |f: usize| field.phase[f][topology.corner_of(f, v)];
                 (at(f) - at(g)) / std::f64::consts::TAU
             });
-            assert!((jump[0] - jump[0].round()).abs() < 1e-9 && (jump[0] - jump[1]).abs() < 1e-9, "{name}, edge {e}: {jump:?} turns");
+            assert!(
+                (jump[0] - jump[0].round()).abs() < 1e-9 && (jump[0] - jump[1]).abs() < 1e-9,
+                "{name}, edge {e}: {jump:?} turns"
+            );
         }
     }
 }
@@ -358,7 +466,8 @@ fn fields_are_closed_and_phases_meet() {
     }
 }
 
-/// An edge between two wrinkle-free faces has no frequency, even if both of its ends touch wrinkled faces.
+/// An edge between two wrinkle-free faces has no frequency, even if both of its ends touch wrinkled
+/// faces.
 #[test]
 fn edges_of_no_wrinkled_face_have_no_frequency() {
     let sheet = twisted_ring(0.15, 4);
@@ -375,7 +484,11 @@ fn edges_of_no_wrinkled_face_have_no_frequency() {
 fn the_ring_is_partly_wrinkle_free() {
     let field = twisted_ring(0.15, 4).solve(&ring_material(), &FieldOptions::default()).field;
     let free = field.wrinkle_free.iter().filter(|f| **f).count();
-    assert!(free > 20 && free < field.wrinkle_free.len() / 2, "{free} of {}", field.wrinkle_free.len());
+    assert!(
+        free > 20 && free < field.wrinkle_free.len() / 2,
+        "{free} of {}",
+        field.wrinkle_free.len()
+    );
 }
 
 // ── Going downhill ──────────────────────────────────────────────────────────────────────────────────────────────────────
@@ -404,7 +517,8 @@ impl Observer for Watcher {
 }
 
 fn watch(sheet: &Sheet, material: &Material, options: &FieldOptions, watcher: &Watcher) -> Solved {
-    solve(&sheet.topology, &sheet.rest, &sheet.pose, &sheet.held, material, options, watcher).unwrap()
+    solve(&sheet.topology, &sheet.rest, &sheet.pose, &sheet.held, material, options, watcher)
+        .unwrap()
 }
 
 #[test]
@@ -413,13 +527,25 @@ fn energy_never_rises() {
         let watcher = Watcher::new(usize::MAX);
         let solved = watch(&sheet, &material, &FieldOptions::default(), &watcher);
         let steps = watcher.steps.lock().unwrap();
-        assert!(steps.len() > 5 && steps.iter().enumerate().all(|(n, s)| s.iteration == n + 1 && s.stage == "field"));
+        assert!(
+            steps.len() > 5
+                && steps
+                    .iter()
+                    .enumerate()
+                    .all(|(n, s)| s.iteration == n + 1 && s.stage == "field")
+        );
         for pair in steps.windows(2) {
             // Below 1e-12 of the energy, the order of a sum decides.
-            assert!(pair[1].energy_joule <= pair[0].energy_joule * (1.0 + 1e-12), "{name}: {pair:?}");
+            assert!(
+                pair[1].energy_joule <= pair[0].energy_joule * (1.0 + 1e-12),
+                "{name}: {pair:?}"
+            );
         }
         assert!(steps[steps.len() - 1].energy_joule < 0.999 * steps[0].energy_joule);
-        assert_eq!(steps[steps.len() - 1].energy_joule.to_bits(), solved.report.energy_joule.to_bits());
+        assert_eq!(
+            steps[steps.len() - 1].energy_joule.to_bits(),
+            solved.report.energy_joule.to_bits()
+        );
     }
 }
 
@@ -428,7 +554,8 @@ fn a_cancelled_solve_keeps_what_it_has() {
     let sheet = twisted_ring(0.15, 4);
     let cancelled = watch(&sheet, &ring_material(), &FieldOptions::default(), &Watcher::new(3));
     assert_eq!((cancelled.report.ending, cancelled.report.iterations), (Ending::Cancelled, 3));
-    let limited = sheet.solve(&ring_material(), &FieldOptions { iteration_limit: 3, ..FieldOptions::default() });
+    let limited = sheet
+        .solve(&ring_material(), &FieldOptions { iteration_limit: 3, ..FieldOptions::default() });
     assert_eq!(limited.report.ending, Ending::IterationLimit);
     assert_eq!(cancelled.field, limited.field);
     let never = watch(&sheet, &ring_material(), &FieldOptions::default(), &Watcher::new(0));
@@ -450,7 +577,9 @@ fn a_tense_sheet_does_not_wrinkle() {
         let solved = sheet.solve(&mylar(), &FieldOptions { rule, ..FieldOptions::default() });
         assert!(solved.field.wrinkle_free.iter().all(|f| *f));
         assert_whole("tense", &sheet, &solved.field);
-        assert!(solved.field.amplitude_m.iter().all(|&a| a == 0.0) && solved.report.periods.is_empty());
+        assert!(
+            solved.field.amplitude_m.iter().all(|&a| a == 0.0) && solved.report.periods.is_empty()
+        );
         assert_eq!((solved.report.energy_joule, solved.report.projected_gradient), (0.0, 0.0));
         let e = 1.05 * 1.05 - 1.0;
         let density = mylar().norm_squared(&plisse::mesh::Mat2::new(e, 0.0, 0.0, e));
@@ -464,7 +593,10 @@ fn an_unstrained_sheet_does_not_wrinkle() {
     let sheet = Sheet::rectangle(1.0, 0.6, 0.1, 1);
     let solved = sheet.solve(&mylar(), &FieldOptions::default());
     assert_whole("rest", &sheet, &solved.field);
-    assert!(solved.report.energy_joule.abs() < 1e-15 && solved.field.amplitude_m.iter().all(|&a| a < 1e-6));
+    assert!(
+        solved.report.energy_joule.abs() < 1e-15
+            && solved.field.amplitude_m.iter().all(|&a| a < 1e-6)
+    );
 }
 
 #[test]
@@ -474,7 +606,10 @@ fn a_single_triangle_is_solved() {
         for rule in [WrinkleFreeRule::Paper, WrinkleFreeRule::Published] {
             let pose = corners.iter().map(|p| Vec3::new(scale * p.x, p.y, 0.0)).collect();
             let sheet = Sheet::new(corners.clone(), vec![[0, 1, 2]], vec![[0, 1, 2]], pose);
-            let solved = sheet.solve(&Material::new(1e7, 0.0, 1e-3).unwrap(), &FieldOptions { rule, ..FieldOptions::default() });
+            let solved = sheet.solve(
+                &Material::new(1e7, 0.0, 1e-3).unwrap(),
+                &FieldOptions { rule, ..FieldOptions::default() },
+            );
             assert_whole("triangle", &sheet, &solved.field);
             assert!(solved.report.energy_joule.is_finite());
         }
@@ -487,7 +622,9 @@ fn separate_parts_do_not_disturb_each_other() {
     let (short, _) = shortened_sheet();
     let tense = Sheet::rectangle(0.5, 0.5, 0.1, 8).posed(|p| p * 1.03);
     let join = |first: &Sheet, second: &Sheet| {
-        let shift = |faces: &[[usize; 3]], by: usize| faces.iter().map(move |f| f.map(|v| v + by)).collect::<Vec<_>>();
+        let shift = |faces: &[[usize; 3]], by: usize| {
+            faces.iter().map(move |f| f.map(|v| v + by)).collect::<Vec<_>>()
+        };
         let (rest, pose) = (first.rest_positions.len(), first.pose.len());
         let mut both = Sheet::new(
             [&first.rest_positions[..], &second.rest_positions].concat(),
@@ -504,7 +641,10 @@ fn separate_parts_do_not_disturb_each_other() {
     assert_whole("two parts", &both, &solved.field);
     assert!(solved.field.amplitude_m[short.pose.len()..].iter().all(|&a| a == 0.0));
     assert!((solved.report.energy_joule / alone.report.energy_joule - 1.0).abs() < 1e-9);
-    assert!(largest_difference(&alone.field.amplitude_m, &solved.field.amplitude_m[..short.pose.len()]) < 1e-5);
+    assert!(
+        largest_difference(&alone.field.amplitude_m, &solved.field.amplitude_m[..short.pose.len()])
+            < 1e-5
+    );
     // Twice the same: each phase has its own root.
     let twice = join(&short, &short);
     let solved = twice.solve(&ring_material(), &FieldOptions::default());
@@ -528,15 +668,26 @@ fn held_everywhere_nothing_wrinkles() {
 #[test]
 fn wrong_lengths_are_told() {
     let sheet = Sheet::rectangle(1.0, 1.0, 0.5, 1);
-    let error = solve(&sheet.topology, &sheet.rest, &sheet.pose[1..], &sheet.held, &mylar(), &FieldOptions::default(), &Silent);
+    let error = solve(
+        &sheet.topology,
+        &sheet.rest,
+        &sheet.pose[1..],
+        &sheet.held,
+        &mylar(),
+        &FieldOptions::default(),
+        &Silent,
+    );
     assert!(error.unwrap_err().to_string().contains(&sheet.pose.len().to_string()));
 }
 
 /// Pressed both ways at once, faces have no preferred direction; whatever comes out must be whole.
 #[test]
 fn a_flat_ring_has_one_period() {
-    let sheet = Sheet::flat(&Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, 0.15, 2).posed(|p| p * 0.97);
-    let solved = sheet.solve(&ring_material(), &FieldOptions { iteration_limit: 30, ..FieldOptions::default() });
+    let sheet =
+        Sheet::flat(&Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, 0.15, 2)
+            .posed(|p| p * 0.97);
+    let solved = sheet
+        .solve(&ring_material(), &FieldOptions { iteration_limit: 30, ..FieldOptions::default() });
     assert_eq!(solved.report.periods.len(), 1);
     assert_whole("flat ring", &sheet, &solved.field);
 }

@@ -1,9 +1,12 @@
-//! Growth on a mesh that follows the folds, against growth on a mesh that was fine from the beginning.
+//! Growth on a mesh that follows the folds, against growth on a mesh that was fine from the
+//! beginning.
 
 mod sheets;
 
 use plisse::growth::measure::{Relief, Window, offsets_m, reached};
-use plisse::growth::{AdaptOptions, Expansion, Growing, GrowthOptions, Surface, grow, grow_adapting};
+use plisse::growth::{
+    AdaptOptions, Expansion, Growing, GrowthOptions, Surface, grow, grow_adapting,
+};
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
 use plisse::rest::RestMetric;
@@ -19,19 +22,40 @@ fn growth(y: f64) -> f64 {
 fn growing(sheet: &Sheet) -> Growing<'_> {
     let n = sheet.pose.len();
     let factors: Vec<f64> = sheet.pose.iter().map(|p| growth(p.y)).collect();
-    let expansion = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &factors).unwrap();
-    let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
+    let expansion =
+        Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &factors)
+            .unwrap();
+    let mut growing = Growing::new(
+        &sheet.topology,
+        &sheet.rest,
+        &sheet.pose,
+        expansion,
+        WAVELENGTH_M,
+        4.0 * WAVELENGTH_M,
+    );
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     growing
 }
 
-/// Folds between the heights 0.06 m and 0.2 m, and the share of the asked length that was reached there.
+/// Folds between the heights 0.06 m and 0.2 m, and the share of the asked length that was reached
+/// there.
 fn folds(topology: &Topology, start: &[Vec3], pose: &[Vec3], asked: &RestMetric) -> (f64, f64) {
     let window = Window { low: Vec2::new(0.1, 0.06), high: Vec2::new(0.9, 0.2) };
     let chart: Vec<Vec2> = start.iter().map(|p| p.xy()).collect();
-    let relief = Relief::new(topology, &chart, &offsets_m(topology, start, pose).unwrap(), &window, [400, 21]).unwrap();
-    let inner = |f: usize| topology.faces[f].iter().all(|&v| (0.1..0.9).contains(&start[v].x) && (0.06..0.2).contains(&start[v].y));
+    let relief = Relief::new(
+        topology,
+        &chart,
+        &offsets_m(topology, start, pose).unwrap(),
+        &window,
+        [400, 21],
+    )
+    .unwrap();
+    let inner = |f: usize| {
+        topology.faces[f]
+            .iter()
+            .all(|&v| (0.1..0.9).contains(&start[v].x) && (0.06..0.2).contains(&start[v].y))
+    };
     let got = reached(topology, start, asked, pose, &vec![Vec3::x(); topology.face_count()], inner);
     (1.0 / relief.folds().unwrap().wavelength_m, got.length)
 }
@@ -39,24 +63,36 @@ fn folds(topology: &Topology, start: &[Vec3], pose: &[Vec3], asked: &RestMetric)
 fn adapted<'a>(growing: &Growing<'a>, adapt: &AdaptOptions) -> (Surface<'a>, RestMetric) {
     let options = GrowthOptions::default();
     let parts = options.parts(growing.maps.most_growth());
-    let (surface, report) = grow_adapting(growing, None, &parts, &options, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+    let (surface, report) =
+        grow_adapting(growing, None, &parts, &options, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
     let last = report.meshes.last().unwrap();
-    assert!(last.vertices == surface.pose.len() && last.residual <= options.tolerance, "{:?}", report.meshes);
+    assert!(
+        last.vertices == surface.pose.len() && last.residual <= options.tolerance,
+        "{:?}",
+        report.meshes
+    );
     (surface, report.growth.asked)
 }
 
 #[test]
 fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
     let coarse = Sheet::lattice(1.0, 0.5, 8, 4);
-    let (surface, asked) = adapted(&growing(&coarse), &AdaptOptions { finish_iterations: 300, ..AdaptOptions::new(0.125) });
+    let (surface, asked) = adapted(
+        &growing(&coarse),
+        &AdaptOptions { finish_iterations: 300, ..AdaptOptions::new(0.125) },
+    );
     let fine = Sheet::lattice(1.0, 0.5, 70, 36);
     let (pose, report) = grow(&growing(&fine), &GrowthOptions::default(), &Silent).unwrap();
     let (expected, _) = folds(&fine.topology, &fine.pose, &pose, &report.asked);
     let (found, length) = folds(&surface.topology, &surface.start, &surface.pose, &asked);
-    assert!((found / expected - 1.0).abs() < 0.1, "{found} folds per metre, {expected} on the fine mesh");
+    assert!(
+        (found / expected - 1.0).abs() < 0.1,
+        "{found} folds per metre, {expected} on the fine mesh"
+    );
     assert!(length >= 0.97, "{length}");
 
-    // Fine below, coarse above; no face turned over, none without area; the manifold was checked when the topology was made.
+    // Fine below, coarse above; no face turned over, none without area; the manifold was checked
+    // when the topology was made.
     let (mut below, mut above) = (0.0_f64, f64::INFINITY);
     for &[i, j] in &surface.topology.edges {
         let (p, q) = (surface.start[i], surface.start[j]);
@@ -75,18 +111,27 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
         };
         assert!(normal(&surface.start).z > 0.0 && normal(&surface.pose).norm() > 1e-8);
     }
-    let euler = surface.pose.len() as isize + surface.topology.face_count() as isize - surface.topology.edge_count() as isize;
+    let euler = surface.pose.len() as isize + surface.topology.face_count() as isize
+        - surface.topology.edge_count() as isize;
     assert_eq!(euler, 1);
     // What it carries went with it: the form is what the map says, the boundary stays to the bit.
     let boundary = surface.topology.boundary_vertices();
     for (v, p) in surface.start.iter().enumerate() {
         let ([most, least], [along, _]) = surface.maps.expansion.vertices[v].principal();
         if p.y <= 0.25 {
-            assert!((most - 1.3).abs() < 1e-9 && (least - 1.0).abs() < 1e-9 && along.cross(&Vec3::x()).norm() < 1e-6, "{v}");
+            assert!(
+                (most - 1.3).abs() < 1e-9
+                    && (least - 1.0).abs() < 1e-9
+                    && along.cross(&Vec3::x()).norm() < 1e-6,
+                "{v}"
+            );
         }
         assert_eq!(boundary[v], surface.maps.frozen[v] == [true; 3]);
         assert!(!boundary[v] || surface.pose[v] == *p);
-        assert!((surface.places[v] - p).norm() < 1e-12 && (surface.maps.wavelength_m[v] - WAVELENGTH_M).abs() < 1e-15);
+        assert!(
+            (surface.places[v] - p).norm() < 1e-12
+                && (surface.maps.wavelength_m[v] - WAVELENGTH_M).abs() < 1e-15
+        );
     }
     assert!((surface.rest.area_m2() - 0.5).abs() < 1e-9);
 }
@@ -97,7 +142,10 @@ fn growing_by_one_changes_nothing() {
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
     let growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, 0.01, 0.0);
     let (surface, asked) = adapted(&growing, &AdaptOptions::new(0.05));
-    assert_eq!((&surface.topology, &surface.rest, &asked), (&sheet.topology, &sheet.rest, &sheet.rest));
+    assert_eq!(
+        (&surface.topology, &surface.rest, &asked),
+        (&sheet.topology, &sheet.rest, &sheet.rest)
+    );
     assert_eq!((surface.pose, surface.start), (sheet.pose.clone(), sheet.pose.clone()));
 }
 
@@ -111,7 +159,16 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let options = GrowthOptions::default();
             let parts = [0.05, 0.1, 0.2];
             let adapt = AdaptOptions::new(0.125);
-            let (surface, _) = grow_adapting(&growing, None, &parts, &options, &adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+            let (surface, _) = grow_adapting(
+                &growing,
+                None,
+                &parts,
+                &options,
+                &adapt,
+                &Silent,
+                &mut |_, _| Ok(()),
+            )
+            .unwrap();
             (surface.topology, surface.pose)
         })
     };
@@ -121,36 +178,60 @@ fn any_number_of_threads_gives_the_same_bytes() {
 #[test]
 fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
     use plisse::growth::remesh::{Curving, RemeshOptions, Sheet as Carried, remesh};
-    // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are beside them.
+    // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are
+    // beside them.
     let wave = |p: &Vec3| 0.02 * (std::f64::consts::TAU * p.x / 0.2).sin();
     let flat = Sheet::lattice(1.0, 0.3, 40, 10);
     let ring = Sheet::torus(0.5, 0.1, 0.04);
-    let beside = |sheet: &Sheet, pose: Vec<Vec3>, curving: Curving, away: &dyn Fn(&Vec3, &Vec3) -> f64| {
-        let n = pose.len();
-        let carried = Carried {
-            faces: sheet.topology.faces.clone(),
-            rest: sheet.rest.faces.clone(),
-            positions: pose,
-            start: sheet.pose.clone(),
-            channels: vec![vec![0.1; n]],
-            frozen: vec![[false; 3]; n],
-            uvs: None,
+    let beside =
+        |sheet: &Sheet, pose: Vec<Vec3>, curving: Curving, away: &dyn Fn(&Vec3, &Vec3) -> f64| {
+            let n = pose.len();
+            let carried = Carried {
+                faces: sheet.topology.faces.clone(),
+                rest: sheet.rest.faces.clone(),
+                positions: pose,
+                start: sheet.pose.clone(),
+                channels: vec![vec![0.1; n]],
+                frozen: vec![[false; 3]; n],
+                uvs: None,
+            };
+            let options =
+                RemeshOptions { growth_channel: None, curving, ..RemeshOptions::new(1.0) };
+            let all = vec![true; carried.faces.len()];
+            let fine = remesh(carried, &all, &options).unwrap().sheet;
+            assert!(fine.positions.len() > 2 * n);
+            let inner = |p: &Vec3| {
+                (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y)
+                    || sheet.held.len() == ring.held.len()
+            };
+            let each = (n..fine.positions.len())
+                .filter(|&v| inner(&fine.start[v]))
+                .map(|v| away(&fine.positions[v], &fine.start[v]).abs());
+            each.fold(0.0, f64::max)
         };
-        let options = RemeshOptions { growth_channel: None, curving, ..RemeshOptions::new(1.0) };
-        let all = vec![true; carried.faces.len()];
-        let fine = remesh(carried, &all, &options).unwrap().sheet;
-        assert!(fine.positions.len() > 2 * n);
-        let inner = |p: &Vec3| (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y) || sheet.held.len() == ring.held.len();
-        let each = (n..fine.positions.len()).filter(|&v| inner(&fine.start[v])).map(|v| away(&fine.positions[v], &fine.start[v]).abs());
-        each.fold(0.0, f64::max)
-    };
     let waves = |curving| {
         let pose = flat.pose.iter().map(|p| Vec3::new(p.x, p.y, wave(p))).collect();
-        beside(&flat, pose, curving, &|p, start| if start.z == 0.0 { p.z - wave(p) } else { f64::INFINITY })
+        beside(&flat, pose, curving, &|p, start| {
+            if start.z == 0.0 { p.z - wave(p) } else { f64::INFINITY }
+        })
     };
-    assert!(waves(Curving::Folds) < 0.5 * waves(Curving::Flat), "{} {}", waves(Curving::Folds), waves(Curving::Flat));
+    assert!(
+        waves(Curving::Folds) < 0.5 * waves(Curving::Flat),
+        "{} {}",
+        waves(Curving::Folds),
+        waves(Curving::Flat)
+    );
     let tube = |p: &Vec3| (p.xy().norm() - 0.5).hypot(p.z) - 0.1;
-    let rings = |curving| beside(&ring, ring.pose.clone(), curving, &|p, start| if p == start { tube(p) } else { f64::INFINITY });
-    assert!(rings(Curving::Start) < 0.5 * rings(Curving::Folds), "{} {}", rings(Curving::Start), rings(Curving::Folds));
+    let rings = |curving| {
+        beside(&ring, ring.pose.clone(), curving, &|p, start| {
+            if p == start { tube(p) } else { f64::INFINITY }
+        })
+    };
+    assert!(
+        rings(Curving::Start) < 0.5 * rings(Curving::Folds),
+        "{} {}",
+        rings(Curving::Start),
+        rings(Curving::Folds)
+    );
     assert_eq!(rings(Curving::Folds), rings(Curving::Flat));
 }

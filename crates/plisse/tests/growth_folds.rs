@@ -1,7 +1,9 @@
-//! Expansion textures folded up by the variational mode: what the surface shows against what was asked.
+//! Expansion textures folded up by the variational mode: what the surface shows against what was
+//! asked.
 //!
-//! The clamped square has all four sides frozen; what is measured lies half a wavelength and more inside. More folds, more growth and finer
-//! meshes take minutes: `cargo run --release -p plisse --example growth_study -- counts` prints them.
+//! The clamped square has all four sides frozen; what is measured lies half a wavelength and more
+//! inside. More folds, more growth and finer meshes take minutes: `cargo run --release -p plisse
+//! --example growth_study -- counts` prints them.
 
 mod sheets;
 
@@ -49,9 +51,22 @@ impl Square {
 
     fn growing(&self) -> Growing<'_> {
         let (sheet, n) = (&self.sheet, self.sheet.pose.len());
-        let expansion = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &vec![self.growth; n]).unwrap();
+        let expansion = Expansion::from_directions(
+            &sheet.topology,
+            &sheet.pose,
+            &vec![Vec3::x(); n],
+            &vec![self.growth; n],
+        )
+        .unwrap();
         let coherence_m = self.coherence * self.wavelength_m;
-        let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, self.wavelength_m, coherence_m);
+        let mut growing = Growing::new(
+            &sheet.topology,
+            &sheet.rest,
+            &sheet.pose,
+            expansion,
+            self.wavelength_m,
+            coherence_m,
+        );
         let boundary = sheet.topology.boundary_vertices();
         growing.freeze(|v, _| boundary[v]);
         growing
@@ -65,12 +80,31 @@ impl Square {
     fn measure(&self, pose: Vec<Vec3>, report: GrowthReport) -> Folded {
         let (topology, start) = (&self.sheet.topology, &self.sheet.pose);
         let inset = 0.1;
-        let window = Window { low: Vec2::new(inset, inset), high: Vec2::new(1.0 - inset, 1.0 - inset) };
+        let window =
+            Window { low: Vec2::new(inset, inset), high: Vec2::new(1.0 - inset, 1.0 - inset) };
         let chart: Vec<Vec2> = start.iter().map(|p| Vec2::new(p.x, p.y)).collect();
         let offset = offsets_m(topology, start, &pose).unwrap();
-        let relief = Relief::new(topology, &chart, &offset, &window, [(40.0 / self.wavelength_m) as usize, 81]).unwrap();
-        let inner = |f: usize| topology.faces[f].iter().all(|&v| (start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset);
-        let reached = reached(topology, start, &report.asked, &pose, &vec![Vec3::x(); topology.face_count()], inner);
+        let relief = Relief::new(
+            topology,
+            &chart,
+            &offset,
+            &window,
+            [(40.0 / self.wavelength_m) as usize, 81],
+        )
+        .unwrap();
+        let inner = |f: usize| {
+            topology.faces[f]
+                .iter()
+                .all(|&v| (start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset)
+        };
+        let reached = reached(
+            topology,
+            start,
+            &report.asked,
+            &pose,
+            &vec![Vec3::x(); topology.face_count()],
+            inner,
+        );
         Folded { pose, report, relief, reached }
     }
 
@@ -81,7 +115,11 @@ impl Square {
         let last = folded.report.steps.last().unwrap();
         assert!(last.ending == Ending::Converged && last.residual <= options.tolerance, "{last:?}");
         let asked = 1.0 / self.wavelength_m;
-        assert!((folded.count() / asked - 1.0).abs() < 0.15, "{} folds, {asked} asked", folded.count());
+        assert!(
+            (folded.count() / asked - 1.0).abs() < 0.15,
+            "{} folds, {asked} asked",
+            folded.count()
+        );
         let crests = folded.relief.crests_within(CREST, 0.5 * self.wavelength_m);
         assert!(crests > 0.9, "{crests} of the area");
         assert!((0.97..1.001).contains(&folded.reached.length), "{:?}", folded.reached);
@@ -126,7 +164,8 @@ fn twenty_folds_at_a_growth_of_1_2() {
 
 #[test]
 fn a_mesh_twice_as_fine_has_as_many_folds() {
-    let count = |cells: usize| Square::new(lattice(5 * cells, 2 * cells), 1.3, 5.0, 4.0).check().count();
+    let count =
+        |cells: usize| Square::new(lattice(5 * cells, 2 * cells), 1.3, 5.0, 4.0).check().count();
     let (coarse, fine) = (count(6), count(12));
     assert!((fine / coarse - 1.0).abs() < 0.1, "{coarse} {fine}");
 }
@@ -144,10 +183,20 @@ fn crests_run_straight_as_far_as_asked() {
 
 #[test]
 fn growing_by_one_changes_nothing_to_the_bit() {
-    let square = Square::new(Sheet::rectangle(1.0, 1.0, 0.05, 3).posed(|p| Vec3::new(p.x, p.y, 0.1 * (p.x * 3.0).sin())), 1.0, 5.0, 4.0);
+    let square = Square::new(
+        Sheet::rectangle(1.0, 1.0, 0.05, 3).posed(|p| Vec3::new(p.x, p.y, 0.1 * (p.x * 3.0).sin())),
+        1.0,
+        5.0,
+        4.0,
+    );
     let mut growing = square.growing();
     // The rest shape is the starting surface.
-    let rest = plisse::rest::RestMetric::from_shape("start", &square.sheet.pose, &square.sheet.topology.faces).unwrap();
+    let rest = plisse::rest::RestMetric::from_shape(
+        "start",
+        &square.sheet.pose,
+        &square.sheet.topology.faces,
+    )
+    .unwrap();
     growing.rest = &rest;
     growing.maps.bias = vec![0.1; growing.maps.bias.len()];
     let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
@@ -160,9 +209,13 @@ fn growing_and_shrinking_back_flattens() {
     let square = Square::new(lattice(21, 10), 1.4, 3.0, 2.0);
     let (growing, options) = (square.growing(), GrowthOptions::default());
     let (folded, _) = grow(&growing, &options, &Silent).unwrap();
-    let high = |pose: &[Vec3]| pose.iter().zip(&square.sheet.pose).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+    let high = |pose: &[Vec3]| {
+        pose.iter().zip(&square.sheet.pose).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
+    };
     assert!(high(&folded) > 0.1 * square.wavelength_m);
-    let (flat, _) = grow_through(&growing, &[0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0], &folded, &options, &Silent).unwrap();
+    let (flat, _) =
+        grow_through(&growing, &[0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0], &folded, &options, &Silent)
+            .unwrap();
     assert!(high(&flat) < 1e-3 * square.wavelength_m, "{:e}", high(&flat));
 }
 
@@ -171,7 +224,8 @@ fn rigid_motion_and_renumbering_do_not_matter() {
     let square = Square::new(Sheet::rectangle(1.0, 1.0, 0.06, 5), 1.3, 3.0, 1.0);
     let options = GrowthOptions { tolerance: 1e-6, ..GrowthOptions::default() };
     let pose = square.fold(&options).pose;
-    // Another place, and vertices and faces in another order; imperfections stay where they are on the sheet.
+    // Another place, and vertices and faces in another order; imperfections stay where they are on
+    // the sheet.
     let turn = slanted_turn();
     let shift = Vec3::new(3.0, -2.0, 1.0);
     let n = pose.len();
@@ -183,10 +237,24 @@ fn rigid_motion_and_renumbering_do_not_matter() {
         start[to(v)] = turn(square.sheet.pose[v]) + shift;
         places[to(v)] = square.sheet.pose[v];
     }
-    let faces: Vec<[usize; 3]> = square.sheet.topology.faces.iter().rev().map(|f| [to(f[1]), to(f[2]), to(f[0])]).collect();
+    let faces: Vec<[usize; 3]> =
+        square.sheet.topology.faces.iter().rev().map(|f| [to(f[1]), to(f[2]), to(f[0])]).collect();
     let moved = Sheet::new(start.clone(), faces.clone(), faces, start);
-    let expansion = Expansion::from_directions(&moved.topology, &moved.pose, &vec![turn(Vec3::x()); n], &vec![square.growth; n]).unwrap();
-    let mut growing = Growing::new(&moved.topology, &moved.rest, &moved.pose, expansion, square.wavelength_m, square.wavelength_m);
+    let expansion = Expansion::from_directions(
+        &moved.topology,
+        &moved.pose,
+        &vec![turn(Vec3::x()); n],
+        &vec![square.growth; n],
+    )
+    .unwrap();
+    let mut growing = Growing::new(
+        &moved.topology,
+        &moved.rest,
+        &moved.pose,
+        expansion,
+        square.wavelength_m,
+        square.wavelength_m,
+    );
     growing.places = places;
     let boundary = moved.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
@@ -212,7 +280,10 @@ fn what_cannot_be_folded_is_named() {
     };
     assert!(told(&|_| ()).contains("refine the mesh or ask for wider folds"));
     assert!(told(&|g| g.maps.frozen.fill([true; 3])).contains("every vertex is frozen"));
-    assert!(told(&|g| g.maps.wavelength_m[7] = 0.0).contains("growth.wavelength_m: it is 0 at vertex 7"));
+    assert!(
+        told(&|g| g.maps.wavelength_m[7] = 0.0)
+            .contains("growth.wavelength_m: it is 0 at vertex 7")
+    );
     assert!(told(&|g| g.maps.coherence_m[7] = f64::NAN).contains("growth.coherence_m"));
     assert!(told(&|g| g.maps.stickiness[2] = -1.0).contains("vertex 2"));
     assert!(told(&|g| g.maps.bias.truncate(3)).contains("give one for each"));
@@ -264,23 +335,39 @@ fn obstacles_and_frozen_axes_are_kept_and_weight_pulls() {
     let free = square.fold(&GrowthOptions::default()).pose;
     let top = |pose: &[Vec3]| pose.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
     let middle = |pose: &[Vec3]| pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64;
-    let ceiling = [Obstacle::plane("ceiling", Vec3::new(0.0, 0.0, 0.5 * top(&free)), -Vec3::z()).unwrap()];
+    let ceiling =
+        [Obstacle::plane("ceiling", Vec3::new(0.0, 0.0, 0.5 * top(&free)), -Vec3::z()).unwrap()];
     let mut growing = square.growing();
     growing.obstacles = &ceiling;
     growing.contact_thickness_m = 0.2 * top(&free);
-    let level: Vec<usize> = (0..free.len()).filter(|&v| (square.sheet.pose[v].x - 0.5).abs() < 0.03).collect();
+    let level: Vec<usize> =
+        (0..free.len()).filter(|&v| (square.sheet.pose[v].x - 0.5).abs() < 0.03).collect();
     assert!(level.iter().any(|&v| free[v].z.abs() > 1e-3));
     for &v in &level {
         growing.maps.frozen[v][2] = true;
     }
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
-    assert!(top(&pose) < 0.5 * top(&free) && top(&pose) > 0.1 * top(&free), "{} {}", top(&pose), top(&free));
+    assert!(
+        top(&pose) < 0.5 * top(&free) && top(&pose) > 0.1 * top(&free),
+        "{} {}",
+        top(&pose),
+        top(&free)
+    );
     assert!(level.iter().all(|&v| pose[v].z == 0.0));
     // Young's modulus is 1e5 Pa: a few pascals weigh.
     let mut growing = square.growing();
-    growing.loads = Loads { density_kg_m3: 500.0, gravity_m_s2: Vec3::new(0.0, 0.0, -9.81), ..Loads::default() };
+    growing.loads = Loads {
+        density_kg_m3: 500.0,
+        gravity_m_s2: Vec3::new(0.0, 0.0, -9.81),
+        ..Loads::default()
+    };
     let (heavy, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
-    assert!(middle(&heavy) < middle(&free) - 0.01 * square.wavelength_m, "{} {}", middle(&heavy), middle(&free));
+    assert!(
+        middle(&heavy) < middle(&free) - 0.01 * square.wavelength_m,
+        "{} {}",
+        middle(&heavy),
+        middle(&free)
+    );
 }
 
 #[test]
@@ -297,14 +384,27 @@ fn plasticity_forgets_stress() {
 fn folds_stay_where_a_narrow_band_grows() {
     let square = small();
     let n = square.sheet.pose.len();
-    let band = Procedure::Band { centre: Vec3::new(0.5, 0.5, 0.0), normal: Vec3::x(), width_m: 0.5, soft_m: 0.05 };
+    let band = Procedure::Band {
+        centre: Vec3::new(0.5, 0.5, 0.0),
+        normal: Vec3::x(),
+        width_m: 0.5,
+        soft_m: 0.05,
+    };
     let factors = band.map(&square.sheet.pose, 1.0, 1.3);
-    let expansion = Expansion::from_directions(&square.sheet.topology, &square.sheet.pose, &vec![Vec3::x(); n], &factors).unwrap();
+    let expansion = Expansion::from_directions(
+        &square.sheet.topology,
+        &square.sheet.pose,
+        &vec![Vec3::x(); n],
+        &factors,
+    )
+    .unwrap();
     let mut growing = square.growing();
     growing.maps.expansion = expansion;
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let off = |v: usize| (square.sheet.pose[v].x - 0.5).abs();
-    let high = |chosen: &dyn Fn(f64) -> bool| (0..n).filter(|&v| chosen(off(v))).map(|v| pose[v].z.abs()).fold(0.0, f64::max);
+    let high = |chosen: &dyn Fn(f64) -> bool| {
+        (0..n).filter(|&v| chosen(off(v))).map(|v| pose[v].z.abs()).fold(0.0, f64::max)
+    };
     let (inside, outside) = (high(&|off| off < 0.2), high(&|off| off > 0.42));
     assert!(inside > 3.0 * outside, "{inside} {outside}");
 }
@@ -327,16 +427,20 @@ fn folds_cross_only_where_they_may() {
 
 #[test]
 fn what_nothing_holds_finds_one_dome() {
-    // A free square whose middle grows: held, it would fold; free, it domes to nearly its length without any stress left.
+    // A free square whose middle grows: held, it would fold; free, it domes to nearly its length
+    // without any stress left.
     let sheet = lattice(18, 18);
-    let spots = Procedure::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
+    let spots =
+        Procedure::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
     let factors = spots.map(&sheet.pose, 1.0, 1.2);
     let expansion = Expansion::from_factors(&sheet.topology, &sheet.pose, &factors).unwrap();
     let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, 0.3, 0.0);
     growing.freeze(|_, p| p.norm() < 1e-9);
     let options = GrowthOptions { iteration_limit: 400, ..GrowthOptions::default() };
     let height = |pose: &[Vec3]| {
-        let (low, high) = pose.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.z), h.max(p.z)));
+        let (low, high) = pose
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.z), h.max(p.z)));
         high - low
     };
     let (held, _) = grow(&growing, &options, &Silent).unwrap();
@@ -344,7 +448,14 @@ fn what_nothing_holds_finds_one_dome() {
     let (free, report) = grow(&growing, &options, &Silent).unwrap();
     let last = report.steps.last().unwrap();
     assert!(last.ending == Ending::Converged && last.residual <= options.tolerance, "{last:?}");
-    let all = reached(&sheet.topology, &sheet.pose, &report.asked, &free, &vec![Vec3::x(); sheet.topology.face_count()], |_| true);
+    let all = reached(
+        &sheet.topology,
+        &sheet.pose,
+        &report.asked,
+        &free,
+        &vec![Vec3::x(); sheet.topology.face_count()],
+        |_| true,
+    );
     assert!((all.area - 1.0).abs() < 0.01, "{all:?}");
     assert!(height(&free) > 1.5 * height(&held), "{} {}", height(&free), height(&held));
 }

@@ -1,4 +1,5 @@
-//! Dabs of a brush against the whole surface: what lies outside keeps its bits, what lies inside agrees with growing the whole.
+//! Dabs of a brush against the whole surface: what lies outside keeps its bits, what lies inside
+//! agrees with growing the whole.
 
 mod sheets;
 
@@ -12,19 +13,41 @@ use sheets::Sheet;
 
 const WAVELENGTH_M: f64 = 0.1;
 
-/// A sheet of 1 m × 0.6 m that has grown by `growth` along x, all sides frozen, at rest to `tolerance`.
+/// A sheet of 1 m × 0.6 m that has grown by `growth` along x, all sides frozen, at rest to
+/// `tolerance`.
 fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
     let sheet = Sheet::lattice(1.0, 0.6, 60, 26);
     let n = sheet.pose.len();
-    let expansion = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &vec![growth; n]).unwrap();
-    let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
+    let expansion = Expansion::from_directions(
+        &sheet.topology,
+        &sheet.pose,
+        &vec![Vec3::x(); n],
+        &vec![growth; n],
+    )
+    .unwrap();
+    let mut growing = Growing::new(
+        &sheet.topology,
+        &sheet.rest,
+        &sheet.pose,
+        expansion,
+        WAVELENGTH_M,
+        4.0 * WAVELENGTH_M,
+    );
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     let options = GrowthOptions { tolerance, ..GrowthOptions::default() };
     let pose = if growth == 1.0 {
         sheet.pose.clone()
     } else {
-        grow_through(&growing, &options.parts(growing.maps.most_growth()), &sheet.pose, &options, &Silent).unwrap().0
+        grow_through(
+            &growing,
+            &options.parts(growing.maps.most_growth()),
+            &sheet.pose,
+            &options,
+            &Silent,
+        )
+        .unwrap()
+        .0
     };
     let sculpture = Sculpture::new(&growing, pose, options, SculptOptions::default()).unwrap();
     (sheet, sculpture)
@@ -33,7 +56,8 @@ fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
 fn at(sculpture: &Sculpture, x: f64, y: f64) -> Spot {
     let place = Vec3::new(x, y, 0.0);
     let distance = |v: usize| (sculpture.start()[v] - place).norm();
-    let nearest = (0..sculpture.start().len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
+    let nearest =
+        (0..sculpture.start().len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
     Spot::vertex(sculpture.topology(), nearest).unwrap()
 }
 
@@ -61,7 +85,12 @@ fn what_lies_outside_keeps_its_bits_and_all_comes_back() {
     for (v, place) in sculpture.start().iter().enumerate() {
         let nearest = Vec3::new(place.x.clamp(0.4, 0.58), 0.3, 0.0);
         let outside = (place - nearest).norm() > reach + 0.02;
-        assert!(!outside || sculpture.pose()[v] == before.pose()[v] && sculpture.painted()[v] == before.painted()[v], "{v}");
+        assert!(
+            !outside
+                || sculpture.pose()[v] == before.pose()[v]
+                    && sculpture.painted()[v] == before.painted()[v],
+            "{v}"
+        );
         assert_eq!(sculpture.pose()[v] != before.pose()[v], moved.binary_search(&v).is_ok());
     }
     let offset = sculpture.pose().iter().map(|p| p.z.abs()).fold(0.0, f64::max);
@@ -73,11 +102,17 @@ fn what_lies_outside_keeps_its_bits_and_all_comes_back() {
     // Undone step by step, done again, undone as one.
     let rested = sculpture.pose().to_vec();
     let again = sculpture.restore(settled.clone());
-    assert!((sculpture.pose(), sculpture.painted()) == (&painted.0, &painted.1) && !sculpture.is_settled());
+    assert!(
+        (sculpture.pose(), sculpture.painted()) == (&painted.0, &painted.1)
+            && !sculpture.is_settled()
+    );
     sculpture.restore(again);
     assert!(sculpture.pose() == rested && sculpture.is_settled());
     sculpture.restore(change.then(settled));
-    assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()) && sculpture.is_settled());
+    assert!(
+        (sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted())
+            && sculpture.is_settled()
+    );
 }
 
 #[test]
@@ -85,10 +120,18 @@ fn values_painted_from_elsewhere_are_followed_and_come_back() {
     let (sheet, mut sculpture) = grown(1.0, 1e-3);
     let before = sculpture.clone();
     let n = sculpture.pose().len();
-    let grown = Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &vec![1.1; n]).unwrap();
+    let grown = Expansion::from_directions(
+        &sheet.topology,
+        &sheet.pose,
+        &vec![Vec3::x(); n],
+        &vec![1.1; n],
+    )
+    .unwrap();
     let under = |v: &usize| (sheet.pose[*v] - Vec3::new(0.5, 0.3, 0.0)).norm() < WAVELENGTH_M;
-    let values: Vec<(usize, Painted)> =
-        (0..n).filter(under).map(|v| (v, Painted { growth: grown.vertices[v], ..sculpture.painted()[v] })).collect();
+    let values: Vec<(usize, Painted)> = (0..n)
+        .filter(under)
+        .map(|v| (v, Painted { growth: grown.vertices[v], ..sculpture.painted()[v] }))
+        .collect();
     let (change, report) = sculpture.paint(&values).unwrap();
     assert!(report.touched == values.len() && report.active > values.len() && report.solved < n);
     assert!(values.iter().all(|&(v, to)| sculpture.painted()[v] == to));
@@ -98,10 +141,17 @@ fn values_painted_from_elsewhere_are_followed_and_come_back() {
     }
     assert!(change.moved().count() > 100 && !sculpture.is_settled());
     sculpture.restore(change);
-    assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()) && sculpture.is_settled());
+    assert!(
+        (sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted())
+            && sculpture.is_settled()
+    );
     // Nothing asked for, nothing done; what cannot be changes nothing.
     assert!(sculpture.paint(&[]).unwrap().0.is_empty());
-    for wrong in [vec![values[1], values[0]], vec![(n, values[0].1)], vec![(0, Painted { wavelength_m: -1.0, ..values[0].1 })]] {
+    for wrong in [
+        vec![values[1], values[0]],
+        vec![(n, values[0].1)],
+        vec![(0, Painted { wavelength_m: -1.0, ..values[0].1 })],
+    ] {
         assert!(sculpture.paint(&wrong).unwrap_err().to_string().contains("; "));
         assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()));
     }
@@ -123,7 +173,8 @@ fn any_number_of_threads_gives_the_same_bytes() {
 
 #[test]
 fn a_dab_that_asks_for_nothing_finds_the_equilibrium_of_the_whole() {
-    // Forces of all that stays around must be the whole film's; else there would be something to do.
+    // Forces of all that stays around must be the whole film's; else there would be something to
+    // do.
     let (_, mut sculpture) = grown(1.3, 1e-7);
     let before = sculpture.pose().to_vec();
     let nothing = dab(&sculpture, 0.5, 0.3, 1.0);
@@ -147,28 +198,38 @@ fn a_stroke_that_settled_is_what_the_whole_would_have_grown_to() {
         grow_through(&sculpture.growing(), &[1.0], pose, &options, &Silent).unwrap().0
     };
     let expected = whole(&before);
-    let most = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+    let most =
+        |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
     let (moved, off) = (most(&expected, &before), most(&expected, sculpture.pose()));
     assert!(moved > 0.02 * WAVELENGTH_M, "{moved}");
-    // What it would have pulled on beyond the margin stayed: 0.17 of the movement when this was written.
+    // What it would have pulled on beyond the margin stayed: 0.17 of the movement when this was
+    // written.
     assert!(off < 0.25 * moved, "{off} of {moved}");
 }
 
 #[test]
 fn a_stroke_that_is_followed_nearby_only_lags_a_little_more_and_settles_alike() {
     let (sheet, sculpture) = grown(1.0, 1e-3);
-    let most = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
+    let most =
+        |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max);
     // The shape after the stroke, and at rest.
     let followed = |near: f64| {
         let brush = SculptOptions { near, ..SculptOptions::default() };
-        let mut followed = Sculpture::new(&sculpture.growing(), sheet.pose.clone(), GrowthOptions::default(), brush).unwrap();
+        let mut followed = Sculpture::new(
+            &sculpture.growing(),
+            sheet.pose.clone(),
+            GrowthOptions::default(),
+            brush,
+        )
+        .unwrap();
         stroke(&mut followed, 1.06);
         let lags = followed.pose().to_vec();
         followed.settle(&Silent).unwrap();
         (lags, followed.pose().to_vec())
     };
     let options = SculptOptions::default();
-    let ((nearby, nearby_at_rest), (margin, margin_at_rest)) = (followed(options.near), followed(options.margin));
+    let ((nearby, nearby_at_rest), (margin, margin_at_rest)) =
+        (followed(options.near), followed(options.margin));
     // 4.72 mm and 3.99 mm of 16.8 mm when this was written.
     let (lag, least) = (most(&nearby, &nearby_at_rest), most(&margin, &margin_at_rest));
     assert!(lag < 1.25 * least && lag < 0.3 * most(&margin, &sheet.pose), "{lag} and {least}");
@@ -181,13 +242,19 @@ fn everything_that_can_be_painted_is_followed() {
     let spot = at(&sculpture, 0.5, 0.3);
     let touch = |paint| Dab { spot, radius_m: 0.08, core: 0.5, paint };
     let before = sculpture.clone();
-    for paint in [Paint::Wavelength(0.12), Paint::Coherence(0.1), Paint::Bias(0.3), Paint::Stickiness(5.0)] {
+    for paint in
+        [Paint::Wavelength(0.12), Paint::Coherence(0.1), Paint::Bias(0.3), Paint::Stickiness(5.0)]
+    {
         let (change, _) = sculpture.dab(&touch(paint)).unwrap();
         assert!(change.moved().count() > 20, "{paint:?}");
     }
     let v = sculpture.topology().faces[spot.face][0];
     let painted = sculpture.painted()[v];
-    assert!((painted.wavelength_m - 0.12).abs() < 1e-12 && (painted.stickiness - 5.0).abs() < 1e-12 && painted.bias > 0.29);
+    assert!(
+        (painted.wavelength_m - 0.12).abs() < 1e-12
+            && (painted.stickiness - 5.0).abs() < 1e-12
+            && painted.bias > 0.29
+    );
     // What is frozen stays where it is now, while what lies around goes on.
     sculpture.dab(&touch(Paint::Freeze(true))).unwrap();
     let pose = sculpture.pose().to_vec();
@@ -213,7 +280,13 @@ fn everything_that_can_be_painted_is_followed() {
     let told = |dab: Dab| sculpture.clone().dab(&dab).unwrap_err().to_string();
     assert!(told(Dab { radius_m: 0.0, ..touch(Paint::Bias(0.1)) }).contains("dab.radius_m"));
     assert!(told(Dab { core: 2.0, ..touch(Paint::Bias(0.1)) }).contains("dab.core"));
-    assert!(told(Dab { spot: Spot { face: 1 << 40, ..spot }, ..touch(Paint::Bias(0.1)) }).contains("there is no face"));
-    assert!(told(Dab { spot: Spot { weights: [1.0; 3], ..spot }, ..touch(Paint::Bias(0.1)) }).contains("name no point"));
+    assert!(
+        told(Dab { spot: Spot { face: 1 << 40, ..spot }, ..touch(Paint::Bias(0.1)) })
+            .contains("there is no face")
+    );
+    assert!(
+        told(Dab { spot: Spot { weights: [1.0; 3], ..spot }, ..touch(Paint::Bias(0.1)) })
+            .contains("name no point")
+    );
     assert!(before.is_settled() && !sculpture.is_settled());
 }

@@ -1,4 +1,5 @@
-//! Every scene in `examples/` builds: as many vertices as it says, in one piece, closed where pressure acts, thin, and free of obstacles.
+//! Every scene in `examples/` builds: as many vertices as it says, in one piece, closed where
+//! pressure acts, thin, and free of obstacles.
 
 use std::path::{Path, PathBuf};
 
@@ -62,7 +63,9 @@ fn reached(built: &Built) -> usize {
 
 #[test]
 fn all_examples_are_listed_here() {
-    let entries = std::fs::read_dir(examples()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let entries = std::fs::read_dir(examples())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut there: Vec<String> = entries.filter(|name| name.ends_with(".toml")).collect();
     there.sort();
     let listed = SCENES.iter().map(|(name, ..)| *name).chain(GROWING.iter().map(|(name, _)| *name));
@@ -72,7 +75,10 @@ fn all_examples_are_listed_here() {
 #[test]
 fn every_example_opens_with_what_it_is() {
     for name in SCENES.iter().map(|(name, ..)| *name).chain(GROWING.iter().map(|(name, _)| *name)) {
-        assert!(std::fs::read_to_string(examples().join(name)).unwrap().starts_with("# "), "{name}");
+        assert!(
+            std::fs::read_to_string(examples().join(name)).unwrap().starts_with("# "),
+            "{name}"
+        );
     }
 }
 
@@ -81,10 +87,16 @@ fn every_example_is_one_surface_of_the_stated_size() {
     for (name, vertices, panels) in SCENES {
         let built = built(name);
         let count = built.topology.vertex_count;
-        assert!(count.abs_diff(vertices) * 10 <= vertices, "{name}: {count} vertices, not about {vertices}");
+        assert!(
+            count.abs_diff(vertices) * 10 <= vertices,
+            "{name}: {count} vertices, not about {vertices}"
+        );
         assert_eq!(built.panels.len(), panels, "{name}");
         assert_eq!(reached(&built), count, "{name} is in several parts");
-        assert!(built.rest.area_m2() > 0.0 && built.rest.faces.iter().all(|f| f.area_m2 > 0.0), "{name}");
+        assert!(
+            built.rest.area_m2() > 0.0 && built.rest.faces.iter().all(|f| f.area_m2 > 0.0),
+            "{name}"
+        );
         assert!(built.material.check_thin(built.rest.area_m2()).is_ok(), "{name}");
         assert!(built.start.iter().flatten().all(|x| x.is_finite()), "{name}");
     }
@@ -93,15 +105,22 @@ fn every_example_is_one_surface_of_the_stated_size() {
 #[test]
 fn every_growing_example_can_grow_and_counts_its_folds() {
     for (name, vertices) in GROWING {
-        let grown = build_growth(&read(examples().join(name)).unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        let grown =
+            build_growth(&read(examples().join(name)).unwrap()).unwrap_or_else(|e| panic!("{e}"));
         let count = grown.built.topology.vertex_count;
-        assert!(count.abs_diff(vertices) * 10 <= vertices, "{name}: {count} vertices, not about {vertices}");
+        assert!(
+            count.abs_diff(vertices) * 10 <= vertices,
+            "{name}: {count} vertices, not about {vertices}"
+        );
         assert!(grown.maps.most_growth() > 0.1, "{name}");
         // Ungrown, the surface is flat, and the windows lie on it.
         let flat = grown.count(&grown.built.start, &grown.built.rest).unwrap();
         // Domes (29, 30) are no folds to count.
         assert_eq!(flat.is_empty(), name > "29", "{name}");
-        assert!(flat.iter().all(|c| c.folds.is_none() && (c.length_reached - 1.0).abs() < 0.01), "{name}: {flat:?}");
+        assert!(
+            flat.iter().all(|c| c.folds.is_none() && (c.length_reached - 1.0).abs() < 0.01),
+            "{name}: {flat:?}"
+        );
     }
 }
 
@@ -113,7 +132,8 @@ fn surfaces_under_pressure_are_spheres_or_tori() {
             continue;
         }
         assert!(built.topology.edge_faces.iter().all(|faces| faces[1] != NONE), "{name} is open");
-        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize + built.topology.face_count() as isize;
+        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize
+            + built.topology.face_count() as isize;
         assert_eq!(euler, if name.contains("torus") { 0 } else { 2 }, "{name}");
     }
 }
@@ -123,10 +143,12 @@ fn garments_have_their_openings_and_start_outside_the_body() {
     // Hem, neck and two arms; waist and two legs.
     for (name, openings) in [("05-dress.toml", 4), ("06-trousers.toml", 3)] {
         let built = built(name);
-        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize + built.topology.face_count() as isize;
+        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize
+            + built.topology.face_count() as isize;
         assert_eq!(euler, 2 - openings, "{name}");
         for obstacle in &built.obstacles {
-            let nearest = built.start.iter().map(|p| obstacle.distance_m(p)).fold(f64::INFINITY, f64::min);
+            let nearest =
+                built.start.iter().map(|p| obstacle.distance_m(p)).fold(f64::INFINITY, f64::min);
             assert!(nearest > 0.0, "{name} starts {nearest} m from {}", obstacle.name);
         }
     }

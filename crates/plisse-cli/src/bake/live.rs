@@ -19,13 +19,23 @@ pub(super) fn model(job: &mut Job<'_>) -> Result<Done> {
         animated::open(&a.input, &a.waves, ", a scene .toml file, a folder of plisse solve")?;
     let time_s = a.time.unwrap_or(0.0);
     if !(0.0..=3600.0).contains(&time_s) {
-        return Err(Error::value("--time", format!("{time_s} s cannot be played to; give 0 to 3600")));
+        return Err(Error::value(
+            "--time",
+            format!("{time_s} s cannot be played to; give 0 to 3600"),
+        ));
     }
     bake::check(&model)?;
     let mut player = Player::new(&model, &unified, &options, a.waves.clip.as_deref())?;
     let times: Vec<f32> = match (a.frames, player.clip()) {
-        (Some(count), Some(clip)) => (0..count).map(|k| clip.duration_s() * k as f32 / (count - 1).max(1) as f32).collect(),
-        (Some(_), None) => return Err(Error::value("--frames", format!("{} has no clip to play; leave it out", model.name))),
+        (Some(count), Some(clip)) => {
+            (0..count).map(|k| clip.duration_s() * k as f32 / (count - 1).max(1) as f32).collect()
+        }
+        (Some(_), None) => {
+            return Err(Error::value(
+                "--frames",
+                format!("{} has no clip to play; leave it out", model.name),
+            ));
+        }
         (None, _) => vec![time_s as f32],
     };
     let path = job.output();

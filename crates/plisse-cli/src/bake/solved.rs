@@ -1,4 +1,5 @@
-//! Maps of a wrinkle field that `plisse solve` or `plisse wrinkle` wrote, or of a scene, which is solved first.
+//! Maps of a wrinkle field that `plisse solve` or `plisse wrinkle` wrote, or of a scene, which is
+//! solved first.
 
 use std::path::Path;
 use std::time::Instant;
@@ -34,7 +35,10 @@ pub(super) fn scene(job: &mut Job<'_>, input: &Path) -> Result<Done> {
         no_picture: true,
         without: Vec::new(),
     };
-    match crate::solve::run(&SolveArguments { scene: input.to_path_buf(), output }, job.interrupted)? {
+    match crate::solve::run(
+        &SolveArguments { scene: input.to_path_buf(), output },
+        job.interrupted,
+    )? {
         Done::Whole => baked(job, &solved, &path),
         Done::Interrupted => Ok(Done::Interrupted),
     }
@@ -53,8 +57,10 @@ fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<Done> {
     let (mesh_path, field_path) = (from.join("base.obj"), from.join("field.json"));
     for file in [&mesh_path, &field_path] {
         if !file.is_file() {
-            let message =
-                format!("there is no {} in it; give a folder that plisse solve wrote", file.file_name().unwrap_or_default().display());
+            let message = format!(
+                "there is no {} in it; give a folder that plisse solve wrote",
+                file.file_name().unwrap_or_default().display()
+            );
             return Err(Error::value(from.display().to_string(), message));
         }
     }
@@ -63,7 +69,8 @@ fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<Done> {
     let topology = Topology::new(&place, mesh.positions.len(), mesh.faces)?;
     let field = plisse::field::json::read(&field_path, &topology)?;
     let Some(uv_faces) = mesh.texture_faces else {
-        let message = "its faces have no texture coordinates to bake into; unwrap the mesh that was solved and solve it again";
+        let message = "its faces have no texture coordinates to bake into; unwrap the mesh that \
+            was solved and solve it again";
         return Err(Error::mesh(place, message));
     };
     let mut folder = OutputFolder::create(path)?;

@@ -27,7 +27,8 @@ pub(super) struct Report {
     pub(super) area_start_m2: f64,
     pub(super) area_asked_m2: f64,
     pub(super) area_m2: f64,
-    /// Mean over the faces that grow and touch nothing frozen, of length over asked length along the growth; null if there are none.
+    /// Mean over the faces that grow and touch nothing frozen, of length over asked length along
+    /// the growth; null if there are none.
     pub(super) length_reached: Option<f64>,
     pub(super) steps: Vec<StepSummary>,
     /// How the last step ended.
@@ -108,13 +109,19 @@ pub(super) struct Seconds {
 }
 
 impl Report {
-    pub(super) fn new(grown: &BuiltGrowth, found: &Outcome, reached: Option<Reached>, folds: Vec<Counted>) -> Self {
+    pub(super) fn new(
+        grown: &BuiltGrowth,
+        found: &Outcome,
+        reached: Option<Reached>,
+        folds: Vec<Counted>,
+    ) -> Self {
         let (built, pose) = (&grown.built, &found.pose);
         let area = |positions: &[Vec3]| -> f64 {
             let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
             built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
         };
-        let offsets = plisse::growth::measure::offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
+        let offsets = plisse::growth::measure::offsets_m(&built.topology, &built.start, pose)
+            .unwrap_or_default();
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: built.title.clone(),
@@ -155,23 +162,45 @@ impl Report {
         if let Some(paper) = &self.paper {
             row("published", paper.clone());
         }
-        row("mesh", format!("{} vertices, {} faces, {} vertices frozen", self.vertices, self.faces, self.frozen_vertices));
+        row(
+            "mesh",
+            format!(
+                "{} vertices, {} faces, {} vertices frozen",
+                self.vertices, self.faces, self.frozen_vertices
+            ),
+        );
         let iterations: usize = self.steps.iter().map(|step| step.iterations).sum();
         let residual = self.residual;
         let (mode, steps, ending) = (self.mode, self.steps.len(), self.ending);
-        row("growth", format!("{mode}, {steps} steps, {iterations} iterations, {ending}, residual {residual:.1e}"));
+        row(
+            "growth",
+            format!(
+                "{mode}, {steps} steps, {iterations} iterations, {ending}, residual {residual:.1e}"
+            ),
+        );
         if let [first, .., last] = &self.meshes[..] {
             let most = self.meshes.iter().map(|mesh| mesh.vertices).max().unwrap_or(0);
             row(
                 "remeshing",
-                format!("{} meshes, from {} vertices, {most} at most, to {}", self.meshes.len(), first.vertices, last.vertices),
+                format!(
+                    "{} meshes, from {} vertices, {most} at most, to {}",
+                    self.meshes.len(),
+                    first.vertices,
+                    last.vertices
+                ),
             );
         }
         let reached = self.area_m2 / self.area_asked_m2;
         let (start, asked, area) = (self.area_start_m2, self.area_asked_m2, self.area_m2);
-        row("area", format!("from {start:.4e} to {area:.4e} of {asked:.4e} m² ({:.1} %)", 100.0 * reached));
+        row(
+            "area",
+            format!("from {start:.4e} to {area:.4e} of {asked:.4e} m² ({:.1} %)", 100.0 * reached),
+        );
         if let Some(length) = self.length_reached {
-            row("length", format!("{:.1} % of what was asked, where nothing is frozen", 100.0 * length));
+            row(
+                "length",
+                format!("{:.1} % of what was asked, where nothing is frozen", 100.0 * length),
+            );
         }
         row("offset", format!("from {:.4e} to {:.4e} m", self.offset_min_m, self.offset_max_m));
         row("crossing", format!("{} pairs of faces", self.self_intersecting_pairs));
@@ -180,7 +209,8 @@ impl Report {
                 &count.name,
                 match (count.folds, count.wavelength_m, count.peak_width) {
                     (Some(folds), Some(wavelength), Some(width)) => format!(
-                        "{folds:.1} folds, {wavelength:.4e} m apart ({:.4e} m asked), peak {:.0} % wide, crests straight on {:.0} %, length {:.1} %",
+                        "{folds:.1} folds, {wavelength:.4e} m apart ({:.4e} m asked), peak {:.0} % \
+                         wide, crests straight on {:.0} %, length {:.1} %",
                         count.asked_wavelength_m,
                         100.0 * width,
                         100.0 * count.crests_within_10_deg,
@@ -193,7 +223,10 @@ impl Report {
         let s = &self.seconds;
         row(
             "seconds",
-            format!("setup {:.3}, grow {:.3}, picture {:.3}, files {:.3}, total {:.3}", s.setup, s.grow, s.picture, s.files, s.total),
+            format!(
+                "setup {:.3}, grow {:.3}, picture {:.3}, files {:.3}, total {:.3}",
+                s.setup, s.grow, s.picture, s.files, s.total
+            ),
         );
         for note in &self.notes {
             table += &format!("  note: {note}\n");

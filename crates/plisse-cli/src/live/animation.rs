@@ -27,16 +27,27 @@ impl Film {
         let size = size.map(|s| (s / 2).max(1));
         let fit = (MOST_BYTES / (3 * size[0] * size[1])).max(1);
         let every = ((fps / FASTEST_FPS).ceil() as usize).max(frames.div_ceil(fit)).max(1);
-        Self { size, frames: Vec::new(), every, seen: 0, delay_ms: (1e3 * every as f64 / fps).round().clamp(1.0, 60_000.0) as u16 }
+        Self {
+            size,
+            frames: Vec::new(),
+            every,
+            seen: 0,
+            delay_ms: (1e3 * every as f64 / fps).round().clamp(1.0, 60_000.0) as u16,
+        }
     }
 
     pub(super) fn push(&mut self, image: &Image) {
         if self.seen.is_multiple_of(self.every) {
             let pixel = |i: usize| {
                 let (x, y) = (i % self.size[0], i / self.size[0]);
-                let four = [[0, 0], [1, 0], [0, 1], [1, 1]]
-                    .map(|[dx, dy]| image.pixel((2 * x + dx).min(image.width - 1), (2 * y + dy).min(image.height - 1)));
-                [0, 1, 2].map(|c| ((four.iter().map(|p| u32::from(p[c])).sum::<u32>() + 2) / 4) as u8)
+                let four = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| {
+                    image.pixel(
+                        (2 * x + dx).min(image.width - 1),
+                        (2 * y + dy).min(image.height - 1),
+                    )
+                });
+                [0, 1, 2]
+                    .map(|c| ((four.iter().map(|p| u32::from(p[c])).sum::<u32>() + 2) / 4) as u8)
             };
             self.frames.push((0..self.size[0] * self.size[1]).flat_map(pixel).collect());
         }

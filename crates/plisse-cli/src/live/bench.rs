@@ -1,4 +1,5 @@
-//! `plisse live --bench`: milliseconds per stage, on the GPU and by the twins, for the paper's two cases and larger meshes.
+//! `plisse live --bench`: milliseconds per stage, on the GPU and by the twins, for the paper's two
+//! cases and larger meshes.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -42,8 +43,20 @@ struct Case {
 }
 
 const CASES: [Case; 5] = [
-    Case { name: "A", columns: 10, rows: 10, pixels: 940_000.0, published_ms: Some([0.06, 0.08, 0.11, 3.11]) },
-    Case { name: "B", columns: 43, rows: 139, pixels: 55_000.0, published_ms: Some([0.25, 1.83, 1.75, 5.01]) },
+    Case {
+        name: "A",
+        columns: 10,
+        rows: 10,
+        pixels: 940_000.0,
+        published_ms: Some([0.06, 0.08, 0.11, 3.11]),
+    },
+    Case {
+        name: "B",
+        columns: 43,
+        rows: 139,
+        pixels: 55_000.0,
+        published_ms: Some([0.25, 1.83, 1.75, 5.01]),
+    },
     Case { name: "10k", columns: 100, rows: 100, pixels: 500_000.0, published_ms: None },
     Case { name: "100k", columns: 400, rows: 250, pixels: 500_000.0, published_ms: None },
     Case { name: "1M", columns: 1000, rows: 1000, pixels: 500_000.0, published_ms: None },
@@ -100,8 +113,10 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
 
 fn table(rows: &[Row], adapter: &str) -> String {
     let mut table = format!(
-        "Milliseconds per stage (median). Adapter: {adapter}; twins on {} threads; pictures of {} x {} pixels.\n\n\
-         | case | vertices | pixels | by | skin | crush | relax | gather | render |\n|---|---|---|---|---|---|---|---|---|\n",
+        "Milliseconds per stage (median). Adapter: {adapter}; twins on {} threads; pictures of {} \
+         x {} pixels.\n\n\
+         | case | vertices | pixels | by | skin | crush | relax | gather | render \
+         |\n|---|---|---|---|---|---|---|---|---|\n",
         rayon::current_num_threads(),
         SIZE[0],
         SIZE[1]
@@ -110,10 +125,20 @@ fn table(rows: &[Row], adapter: &str) -> String {
     for (row, case) in rows.iter().zip(&CASES) {
         let mut line = |by: &str, ms: &[Option<f64>; 5]| {
             let cells: Vec<String> = ms.iter().map(cell).collect();
-            let _ = writeln!(table, "| {} | {} | {} | {by} | {} |", case.name, row.vertices, row.pixels, cells.join(" | "));
+            let _ = writeln!(
+                table,
+                "| {} | {} | {} | {by} | {} |",
+                case.name,
+                row.vertices,
+                row.pixels,
+                cells.join(" | ")
+            );
         };
         if let Some([skin, crush, relax, render]) = case.published_ms {
-            line("paper (GeForce 6800 GT)", &[Some(skin), Some(crush), Some(relax), None, Some(render)]);
+            line(
+                "paper (GeForce 6800 GT)",
+                &[Some(skin), Some(crush), Some(relax), None, Some(render)],
+            );
         }
         if row.gpu_ms.iter().any(Option::is_some) {
             line("adapter", &row.gpu_ms);
@@ -123,12 +148,16 @@ fn table(rows: &[Row], adapter: &str) -> String {
     table
 }
 
-/// What the largest case took, beside what its bytes cost at the adapter's memory speed (bytes per second).
+/// What the largest case took, beside what its bytes cost at the adapter's memory speed (bytes per
+/// second).
 fn against_memory(row: &Row, speed: f64) -> String {
-    let Some(took_ms) = row.gpu_ms[..3].iter().copied().sum::<Option<f64>>() else { return String::new() };
+    let Some(took_ms) = row.gpu_ms[..3].iter().copied().sum::<Option<f64>>() else {
+        return String::new();
+    };
     let cost_ms = 1e3 * row.bytes as f64 / speed;
     format!(
-        "\nThe adapter's memory moves {:.1} GB/s (a copy). Skin, Crush and one Relax of {} vertices move at least {:.0} MB, which costs {cost_ms:.3} ms at \
+        "\nThe adapter's memory moves {:.1} GB/s (a copy). Skin, Crush and one Relax of {} \
+         vertices move at least {:.0} MB, which costs {cost_ms:.3} ms at \
          that speed; they take {took_ms:.3} ms, {:.1} times that.\n",
         speed * 1e-9,
         row.vertices,
@@ -148,22 +177,41 @@ fn measure(case: &Case, gpu: Option<&Gpu>) -> Result<Row> {
     fill_normals(&mut model, &unified);
     let options = LiveOptions { first_rounds: 1, spread_new: false, ..LiveOptions::new(0.05) };
     let frames = (2_000_000 / unified.count()).clamp(5, 60);
-    let poses: Vec<_> = (0..frames).map(|k| pose(&model, model.clip(None), k as f32 / frames as f32)).collect();
+    let poses: Vec<_> =
+        (0..frames).map(|k| pose(&model, model.clip(None), k as f32 / frames as f32)).collect();
     let neighbours = unified.neighbours.len();
-    // Rest and posed vertices, joints and weights in and out of Skin; each array of Crush and Relax once.
+    // Rest and posed vertices, joints and weights in and out of Skin; each array of Crush and Relax
+    // once.
     let skin_bytes = 32 + 32 + 24;
-    let bytes = 2 * unified.count() * skin_bytes + unified.count() * (64 + 8 + 48 + 32 + 16 + 8 + 8) + 8 * neighbours;
+    let bytes = 2 * unified.count() * skin_bytes
+        + unified.count() * (64 + 8 + 48 + 32 + 16 + 8 + 8)
+        + 8 * neighbours;
     let mut row = Row { vertices: unified.count(), bytes, ..Row::default() };
     let mut lists: [Vec<f64>; 5] = Default::default();
     if let Some(gpu) = gpu {
-        let characters = [Character { model: &model, unified: &unified, wavelength_m: &options.wavelength_m, bias: &[] }];
+        let characters = [Character {
+            model: &model,
+            unified: &unified,
+            wavelength_m: &options.wavelength_m,
+            bias: &[],
+        }];
         let mut live = Live::new(gpu, &characters)?;
         live.begin(gpu, &characters, &[&poses[0]], &options)?;
         let texture = Texture::checked();
         let painter = Painter::new(gpu, SIZE, 1, &[&texture])?;
         let profile = Profile::sine();
-        let look = Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: true };
-        let mut camera = Camera::fit(unified.vertices.positions.iter(), 0.0, 0.0, SIZE[0] as f32 / SIZE[1] as f32);
+        let look = Look {
+            profile: &profile,
+            texture: &texture,
+            colour: Vec3::repeat(1.0),
+            parallax: true,
+        };
+        let mut camera = Camera::fit(
+            unified.vertices.positions.iter(),
+            0.0,
+            0.0,
+            SIZE[0] as f32 / SIZE[1] as f32,
+        );
         live.step(gpu, &[&poses[frames / 2]], &options)?;
         for _ in 0..4 {
             painter.draw(gpu, &mut live, &camera, &look)?;
@@ -192,7 +240,8 @@ fn measure(case: &Case, gpu: Option<&Gpu>) -> Result<Row> {
         let posed = skin(&unified.vertices, now);
         let drawn = skin(&model.draw, now);
         take(0);
-        let input = CrushInput { wavelength_m: &options.wavelength_m, bias: &[], last_direction: &[] };
+        let input =
+            CrushInput { wavelength_m: &options.wavelength_m, bias: &[], last_direction: &[] };
         let crushed = crush(&unified, &posed, &input);
         take(1);
         relax(&unified, &posed.positions, &crushed, options.rate, &phase, &mut next);

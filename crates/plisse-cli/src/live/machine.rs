@@ -41,9 +41,18 @@ fn character(animated: &Animated) -> Character<'_> {
 
 impl Machine {
     /// Ready for the first frame of `animated`.
-    pub(super) fn new(on_processor: bool, animated: &Animated, size: [usize; 2], texture: &Texture) -> Result<Self> {
+    pub(super) fn new(
+        on_processor: bool,
+        animated: &Animated,
+        size: [usize; 2],
+        texture: &Texture,
+    ) -> Result<Self> {
         if on_processor {
-            return Ok(Self::Processor(Box::new(Twins { state: LiveState::default(), times: [None; 5], size })));
+            return Ok(Self::Processor(Box::new(Twins {
+                state: LiveState::default(),
+                times: [None; 5],
+                size,
+            })));
         }
         let gpu = Gpu::new()?;
         let live = Live::new(&gpu, &[character(animated)])?;
@@ -76,7 +85,10 @@ impl Machine {
                 *times = [None; 5];
                 let mut begun = Instant::now();
                 state.step_watched(&animated.unified, pose, &animated.options, |stage| {
-                    let number = STAGES.iter().position(|s| *s == stage).expect("the stages have these names");
+                    let number = STAGES
+                        .iter()
+                        .position(|s| *s == stage)
+                        .expect("the stages have these names");
                     times[number] = Some(begun.elapsed().as_secs_f64() * 1e3);
                     begun = Instant::now();
                 });
@@ -90,14 +102,25 @@ impl Machine {
         match self {
             Self::Gpu(device) => {
                 let waves = device.live.read(&device.gpu)?;
-                Ok(LiveState { frame: device.frame, posed: waves.posed, crushed: waves.crushed, phase: waves.phase })
+                Ok(LiveState {
+                    frame: device.frame,
+                    posed: waves.posed,
+                    crushed: waves.crushed,
+                    phase: waves.phase,
+                })
             }
             Self::Processor(twins) => Ok(twins.state.clone()),
         }
     }
 
     /// A picture of this frame.
-    pub(super) fn draw(&mut self, animated: &Animated, pose: &Pose, camera: &Camera, look: &Look<'_>) -> Result<Picture> {
+    pub(super) fn draw(
+        &mut self,
+        animated: &Animated,
+        pose: &Pose,
+        camera: &Camera,
+        look: &Look<'_>,
+    ) -> Result<Picture> {
         match self {
             Self::Gpu(device) => {
                 device.painter.draw(&device.gpu, &mut device.live, camera, look)?;
@@ -107,7 +130,14 @@ impl Machine {
                 let Twins { state, times, size } = &mut **twins;
                 let begun = Instant::now();
                 let drawn = skin(&animated.model.draw, pose);
-                let faces = gather(&animated.model, &animated.unified, &state.posed, &drawn, &state.crushed, &state.phase);
+                let faces = gather(
+                    &animated.model,
+                    &animated.unified,
+                    &state.posed,
+                    &drawn,
+                    &state.crushed,
+                    &state.phase,
+                );
                 times[3] = Some(begun.elapsed().as_secs_f64() * 1e3);
                 let begun = Instant::now();
                 let picture = draw(&faces, look, camera, *size);
@@ -132,7 +162,11 @@ impl Machine {
     /// Vertices that can never wrinkle, because no direction can be told there.
     pub(super) fn singular(&self, animated: &Animated, pose: &Pose) -> usize {
         let posed = skin(&animated.unified.vertices, pose);
-        let input = CrushInput { wavelength_m: &animated.options.wavelength_m, bias: &[], last_direction: &[] };
+        let input = CrushInput {
+            wavelength_m: &animated.options.wavelength_m,
+            bias: &[],
+            last_direction: &[],
+        };
         crush(&animated.unified, &posed, &input).singular
     }
 }

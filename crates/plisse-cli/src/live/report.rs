@@ -47,7 +47,12 @@ fn largest(list: &[f64]) -> Option<f64> {
 }
 
 impl Report {
-    pub(super) fn new(animated: &Animated, clip: Option<&Clip>, arguments: &LiveArguments, size: [usize; 2]) -> Self {
+    pub(super) fn new(
+        animated: &Animated,
+        clip: Option<&Clip>,
+        arguments: &LiveArguments,
+        size: [usize; 2],
+    ) -> Self {
         let mut report = Self {
             model: animated.model.name.clone(),
             unified_vertices: animated.unified.count(),
@@ -78,8 +83,11 @@ impl Report {
 
     /// Writes report.json and lets all files appear.
     pub(super) fn write(&self, mut folder: OutputFolder, exported: Option<&str>) -> Result<()> {
-        let stages: serde_json::Map<String, serde_json::Value> =
-            STAGES.iter().enumerate().map(|(s, name)| ((*name).to_owned(), json!(self.stage(s)))).collect();
+        let stages: serde_json::Map<String, serde_json::Value> = STAGES
+            .iter()
+            .enumerate()
+            .map(|(s, name)| ((*name).to_owned(), json!(self.stage(s))))
+            .collect();
         let report = json!({
             "plisse": env!("CARGO_PKG_VERSION"),
             "model": self.model,
@@ -110,18 +118,48 @@ impl Report {
         let mut table = format!("{}\n", self.model);
         let mut row = |name: &str, value: String| table += &format!("  {name:<24} {value}\n");
         row("adapter", self.adapter.clone());
-        row("mesh", format!("{} unified vertices ({} drawn), {} faces", self.unified_vertices, self.draw_vertices, self.faces));
+        row(
+            "mesh",
+            format!(
+                "{} unified vertices ({} drawn), {} faces",
+                self.unified_vertices, self.draw_vertices, self.faces
+            ),
+        );
         if let Some(clip) = &self.clip {
             row("clip", clip.clone());
         }
-        row("frames", format!("{} at {} a second, {:.0} pixels of the model on each", self.frames, self.fps, self.pixels_mean()));
-        let stages: Vec<String> = (0..STAGES.len()).filter_map(|s| self.stage(s).map(|ms| format!("{} {ms:.3}", STAGES[s]))).collect();
-        row("stages (ms)", if stages.is_empty() { "the adapter cannot tell".to_owned() } else { stages.join(", ") });
+        row(
+            "frames",
+            format!(
+                "{} at {} a second, {:.0} pixels of the model on each",
+                self.frames,
+                self.fps,
+                self.pixels_mean()
+            ),
+        );
+        let stages: Vec<String> = (0..STAGES.len())
+            .filter_map(|s| self.stage(s).map(|ms| format!("{} {ms:.3}", STAGES[s])))
+            .collect();
+        row(
+            "stages (ms)",
+            if stages.is_empty() {
+                "the adapter cannot tell".to_owned()
+            } else {
+                stages.join(", ")
+            },
+        );
         if let (Some(mean), Some(most)) = (mean(&self.phase_errors), largest(&self.phase_errors)) {
             row("phase error (waves)", format!("mean {mean:.4}, max {most:.4}"));
         }
         if let (Some(mean), Some(most)) = (mean(&self.jumps), largest(&self.jumps)) {
-            row("phase jumps (%)", format!("mean {:.3}, max {:.3} of the wrinkled vertices", 100.0 * mean, 100.0 * most));
+            row(
+                "phase jumps (%)",
+                format!(
+                    "mean {:.3}, max {:.3} of the wrinkled vertices",
+                    100.0 * mean,
+                    100.0 * most
+                ),
+            );
         }
         row("seconds", format!("total {:.3}", self.seconds_total));
         for note in &self.notes {

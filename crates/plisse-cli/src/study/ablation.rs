@@ -1,4 +1,5 @@
-//! What each term and correction is for (figures 4 and 5 of [Chen 2021]), and which minimum is found.
+//! What each term and correction is for (figures 4 and 5 of [Chen 2021]), and which minimum is
+//! found.
 
 use plisse::linalg::small::Convexity;
 use plisse::scene;
@@ -37,10 +38,22 @@ fn without(mut built: scene::Built, name: &str) -> scene::Built {
 fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Twisted cylinder (scene 01)",
-        "One term or correction left out of the field's energy. Published: Chen et al. 2021, figure 4, with 1.3k vertices; without v₁ \"over 180 wrinkles\".",
-        &["left out", "vertices", "waves before rounding", "waves", "published waves", "largest amplitude (mm)", "iterations", "energy (J)"],
+        "One term or correction left out of the field's energy. Published: Chen et al. 2021, \
+         figure 4, with 1.3k vertices; without v₁ \"over 180 wrinkles\".",
+        &[
+            "left out",
+            "vertices",
+            "waves before rounding",
+            "waves",
+            "published waves",
+            "largest \
+            amplitude (mm)",
+            "iterations",
+            "energy (J)",
+        ],
     );
-    let (_, built) = scene::with_vertices(&scenes::first_three(1)?, if study.quick { 180 } else { 1309 })?;
+    let (_, built) =
+        scene::with_vertices(&scenes::first_three(1)?, if study.quick { 180 } else { 1309 })?;
     let (pose, base) = study.base(&built)?;
     let mut looks = Vec::new();
     for (name, published) in LEFT_OUT {
@@ -57,14 +70,16 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
             scientific(solution.solved.report.energy_joule),
         ]);
         if looks.len() < 4 {
-            let title = if name == "nothing" { "Everything".to_owned() } else { format!("Without {name}") };
+            let title =
+                if name == "nothing" { "Everything".to_owned() } else { format!("Without {name}") };
             looks.push(Look::wrinkled(&title, &built, &pose, &solution.solved.field, true));
         }
     }
     if let Ok(looks) = <[Look; 4]>::try_from(looks) {
         study.picture(
             "ablation-cylinder",
-            "Scene 01 with everything, without v₁, without v₂, without the curvature term (figure 4)",
+            "Scene 01 with everything, without v₁, without v₂, without the curvature term (figure \
+             4)",
             &built,
             &looks,
         )?;
@@ -76,22 +91,45 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
     let Some(scene) = scenes::numbered(4)? else { return Ok(()) };
     study.document.table(
         "Sphere drape (scene 04)",
-        "Without relaxed integrability no wrinkles can run around the ball's pole. Published (Chen et al. 2021, figure 5, 1.6k vertices) as pictures only.",
-        &["left out", "vertices", "waves around", "largest amplitude (mm)", "wrinkle-free faces", "iterations", "energy (J)", "published"],
+        "Without relaxed integrability no wrinkles can run around the ball's pole. Published (Chen \
+         et al. 2021, figure 5, 1.6k vertices) as pictures only.",
+        &[
+            "left out",
+            "vertices",
+            "waves around",
+            "largest amplitude (mm)",
+            "wrinkle-free \
+            faces",
+            "iterations",
+            "energy (J)",
+            "published",
+        ],
     );
     let (_, built) = scene::with_vertices(&scene, if study.quick { 300 } else { 1600 })?;
     let (pose, base) = study.base(&built)?;
     let whole = study.solve_on(built.clone(), pose.clone(), base.clone())?;
     study.document.row(drape_row("nothing", &whole));
-    let unrelaxed = study.solve_on(without(built.clone(), "relaxed-integrability"), pose.clone(), base)?;
+    let unrelaxed =
+        study.solve_on(without(built.clone(), "relaxed-integrability"), pose.clone(), base)?;
     study.document.row(drape_row("relaxed-integrability", &unrelaxed));
     let looks = [
         Look::wrinkled("Everything", &built, &pose, &whole.solved.field, true),
         Look::wrinkled("Drawn without v2", &built, &pose, &whole.solved.field, false),
-        Look::wrinkled("Without relaxed integrability", &built, &pose, &unrelaxed.solved.field, true),
+        Look::wrinkled(
+            "Without relaxed integrability",
+            &built,
+            &pose,
+            &unrelaxed.solved.field,
+            true,
+        ),
         Look::phase("Its phase", &built, &pose, &unrelaxed.solved.field),
     ];
-    study.picture("ablation-drape", "Scene 04: everything, drawn without v₂, without relaxed integrability (figure 5)", &built, &looks)
+    study.picture(
+        "ablation-drape",
+        "Scene 04: everything, drawn without v₂, without relaxed integrability (figure 5)",
+        &built,
+        &looks,
+    )
 }
 
 fn drape_row(name: &str, solution: &Solution) -> [Cell; 8] {
@@ -110,9 +148,17 @@ fn drape_row(name: &str, solution: &Solution) -> [Cell; 8] {
 fn treatments(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Which minimum is found",
-        "The energy has many minima. While the Hessian is indefinite, negative eigenvalues of element Hessians are mirrored (the default) or \
+        "The energy has many minima. While the Hessian is indefinite, negative eigenvalues of \
+         element Hessians are mirrored (the default) or \
          clamped to zero. Energies are of the field, lower is better. Nothing was published.",
-        &["scene", "mirrored: energy (J)", "iterations", "clamped: energy (J)", "clamped: iterations"],
+        &[
+            "scene",
+            "mirrored: energy (J)",
+            "iterations",
+            "clamped: energy (J)",
+            "clamped: \
+            iterations",
+        ],
     );
     for number in 1..=3 {
         let scene = scenes::first_three(number)?;

@@ -24,7 +24,8 @@ fn structured(scene: &Scene, pattern: Pattern, columns: usize, rows: usize) -> R
 fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Twisted cylinder (scene 01)",
-        "Structured meshes have so many vertices around and along the cylinder; the wrinkles run from lower left to upper right, so rising \
+        "Structured meshes have so many vertices around and along the cylinder; the wrinkles run \
+         from lower left to upper right, so rising \
          diagonals are along them. Published: Chen et al. 2021, section 6.3 and figure 21.",
         &[
             "mesh",
@@ -39,15 +40,21 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     );
     let scene = scenes::first_three(1)?;
     // Vertices around (columns, closed) and along (one more than rows).
-    let grids: &[(usize, usize, [i64; 2])] = if study.quick { &[(40, 7, [39, 40])] } else { &[(80, 12, [39, 40]), (120, 9, [38, 40])] };
+    let grids: &[(usize, usize, [i64; 2])] =
+        if study.quick { &[(40, 7, [39, 40])] } else { &[(80, 12, [39, 40]), (120, 9, [38, 40])] };
     let (_, irregular) = scene::with_vertices(&scene, if study.quick { 250 } else { 1309 })?;
     let mut meshes = vec![("irregular".to_owned(), irregular, Some(46))];
     for &(around, along, published) in grids {
-        for (pattern, what, published) in
-            [(Pattern::Rising, "along the wrinkles", published[0]), (Pattern::Falling, "against them", published[1])]
-        {
+        for (pattern, what, published) in [
+            (Pattern::Rising, "along the wrinkles", published[0]),
+            (Pattern::Falling, "against them", published[1]),
+        ] {
             let built = structured(&scene, pattern, around, along - 1)?;
-            meshes.push((format!("{around} × {along}, diagonals {what}"), built, Some(published).filter(|_| !study.quick)));
+            meshes.push((
+                format!("{around} × {along}, diagonals {what}"),
+                built,
+                Some(published).filter(|_| !study.quick),
+            ));
         }
     }
     solve_all(study, meshes, "meshing-cylinder", "Scene 01 on irregular and structured meshes")
@@ -57,7 +64,8 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
     let Some(scene) = scenes::numbered(4)? else { return Ok(()) };
     study.document.table(
         "Sphere drape (scene 04)",
-        "The same cloth on four meshes. Published (Chen et al. 2021, figure 18, of a dress, as pictures only): the wrinkled shapes are consistent.",
+        "The same cloth on four meshes. Published (Chen et al. 2021, figure 18, of a dress, as \
+         pictures only): the wrinkled shapes are consistent.",
         &[
             "mesh",
             "vertices",
@@ -76,14 +84,27 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
     let meshes = vec![
         ("Delaunay".to_owned(), irregular, None),
         ("refined from a coarser one".to_owned(), scene::refined(&coarse)?, None),
-        ("squares, rising diagonals".to_owned(), structured(&scene, Pattern::Rising, side, side)?, None),
-        ("squares, falling diagonals".to_owned(), structured(&scene, Pattern::Falling, side, side)?, None),
+        (
+            "squares, rising diagonals".to_owned(),
+            structured(&scene, Pattern::Rising, side, side)?,
+            None,
+        ),
+        (
+            "squares, falling diagonals".to_owned(),
+            structured(&scene, Pattern::Falling, side, side)?,
+            None,
+        ),
     ];
     solve_all(study, meshes, "meshing-drape", "Scene 04 on four meshes")
 }
 
 /// A row for each mesh (name, scene, published waves), and a picture of the first four.
-fn solve_all(study: &mut Study<'_>, meshes: Vec<(String, Built, Option<i64>)>, picture: &str, caption: &str) -> Result<(), Stop> {
+fn solve_all(
+    study: &mut Study<'_>,
+    meshes: Vec<(String, Built, Option<i64>)>,
+    picture: &str,
+    caption: &str,
+) -> Result<(), Stop> {
     let mut looks = Vec::new();
     let first = meshes[0].1.clone();
     for (name, built, published) in meshes {
@@ -101,7 +122,13 @@ fn solve_all(study: &mut Study<'_>, meshes: Vec<(String, Built, Option<i64>)>, p
             count(solution.solved.report.iterations),
         ]);
         if looks.len() < 4 {
-            looks.push(Look::wrinkled(&name, &solution.built, &solution.pose, &solution.solved.field, true));
+            looks.push(Look::wrinkled(
+                &name,
+                &solution.built,
+                &solution.pose,
+                &solution.solved.field,
+                true,
+            ));
         }
     }
     match <[Look; 4]>::try_from(looks) {

@@ -1,5 +1,5 @@
-//! `plisse study`: the tables of [Chen 2021] beside ours. One file for each study; [`table`] is what they write, [`solved`] what they
-//! share, [`scenes`] what they solve.
+//! `plisse study`: the tables of [Chen 2021] beside ours. One file for each study; [`table`] is
+//! what they write, [`solved`] what they share, [`scenes`] what they solve.
 
 mod ablation;
 mod meshing;
@@ -59,7 +59,12 @@ type Work = fn(&mut Study<'_>) -> std::result::Result<(), Stop>;
 fn studies(name: StudyName) -> Vec<(&'static str, &'static str, Work)> {
     let all: [(StudyName, &str, &str, Work); 5] = [
         (StudyName::Ablation, "ablation", "What each term is for", ablation::run),
-        (StudyName::ScalingLaw, "scaling-law", "A scaling law instead of the solve", scaling_law::run),
+        (
+            StudyName::ScalingLaw,
+            "scaling-law",
+            "A scaling law instead of the solve",
+            scaling_law::run,
+        ),
         (StudyName::Meshing, "meshing", "How the mesh is made", meshing::run),
         (StudyName::Resolution, "resolution", "How fine the mesh is", resolution::run),
         (StudyName::Timing, "timing", "Iterations and seconds", timing::run),
@@ -97,7 +102,9 @@ pub(crate) fn run(arguments: &StudyArguments, interrupted: &AtomicBool) -> Resul
         }
         if arguments.name == StudyName::All {
             let mut folder = OutputFolder::create(&arguments.output)?;
-            folder.write("validation.md", |out| out.write_all(validation(&documents, arguments).as_bytes()))?;
+            folder.write("validation.md", |out| {
+                out.write_all(validation(&documents, arguments).as_bytes())
+            })?;
             folder.commit()?;
         }
         let _ = writeln!(std::io::stdout(), "written to {}", arguments.output.display());
@@ -139,7 +146,9 @@ fn command(name: &str, arguments: &StudyArguments) -> String {
 
 /// All studies in one text.
 fn validation(documents: &[Document], arguments: &StudyArguments) -> String {
-    let mut out = "# Validation\n\nWhat this program finds, beside what Chen et al. 2021 (\"Fine Wrinkling on Coarsely-Meshed Thin Shells\") published.\n".to_owned();
+    let mut out = "# Validation\n\nWhat this program finds, beside what Chen et al. 2021 (\"Fine \
+        Wrinkling on Coarsely-Meshed Thin Shells\") published.\n"
+        .to_owned();
     out += "A dash means that nothing was published, or that ours was not run.\n\n";
     if let Some(first) = documents.first() {
         out += &first.origin().replace(&first.command, &command("all", arguments));
@@ -157,7 +166,9 @@ impl Study<'_> {
         let markdown = document.markdown(1);
         // After the heading, so that a reader of the file knows where it is from.
         let (heading, rest) = markdown.split_once("\n\n").unwrap_or((&markdown, ""));
-        self.folder.write(&format!("{}.md", document.name), |out| write!(out, "{heading}\n\n{}{rest}", document.origin()))?;
+        self.folder.write(&format!("{}.md", document.name), |out| {
+            write!(out, "{heading}\n\n{}{rest}", document.origin())
+        })?;
         self.folder.write(&format!("{}.json", document.name), |out| {
             serde_json::to_writer_pretty(&mut *out, &document)?;
             out.write_all(b"\n")
@@ -178,7 +189,11 @@ impl Study<'_> {
     }
 
     /// What came out; what failed is noted, so that the rest of the study goes on.
-    pub(crate) fn or_note<T>(&mut self, what: &str, outcome: std::result::Result<T, Stop>) -> std::result::Result<Option<T>, Stop> {
+    pub(crate) fn or_note<T>(
+        &mut self,
+        what: &str,
+        outcome: std::result::Result<T, Stop>,
+    ) -> std::result::Result<Option<T>, Stop> {
         match outcome {
             Ok(value) => Ok(Some(value)),
             Err(Stop::Failed(error)) => {

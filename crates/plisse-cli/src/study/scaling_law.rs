@@ -1,4 +1,5 @@
-//! The scaling law of Vandeparre et al. 2011 instead of the solve (figures 8 and 10 of [Chen 2021]).
+//! The scaling law of Vandeparre et al. 2011 instead of the solve (figures 8 and 10 of [Chen
+//! 2021]).
 
 use plisse::field::{self, ScalingLaw, WrinkleField};
 use plisse::scene::{self, Built};
@@ -8,15 +9,19 @@ use super::table::{Cell, fixed, none, scientific, text};
 use super::{Stop, Study, scenes};
 
 /// Parts of the way from the clamps to the point farthest from them.
-const BANDS: [(&str, f64, f64); 3] = [("near the clamps", 0.0, 0.2), ("between", 0.4, 0.6), ("farthest from them", 0.8, 1.0)];
+const BANDS: [(&str, f64, f64); 3] =
+    [("near the clamps", 0.0, 0.2), ("between", 0.4, 0.6), ("farthest from them", 0.8, 1.0)];
 
 pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
     let mut energies = Vec::new();
     study.document.table(
         "Wavelength by the distance from the clamps",
-        "The law: from a clamped edge the wavelength grows with the distance x as (B/T)^¼ x^½ under a tension T, as h^⅓ δ^(−1/6) x^⅔ without \
-         (Vandeparre et al. 2011). It has no prefactors; ours under tension, 2√(2π), gives in the middle between two clamps the wavelength of \
-         Cerda and Mahadevan 2003. Medians over faces that wrinkle visibly. Published (Chen et al. 2021, figures 8 and 10) as pictures only: too \
+        "The law: from a clamped edge the wavelength grows with the distance x as (B/T)^¼ x^½ \
+         under a tension T, as h^⅓ δ^(−1/6) x^⅔ without \
+         (Vandeparre et al. 2011). It has no prefactors; ours under tension, 2√(2π), gives in the \
+         middle between two clamps the wavelength of \
+         Cerda and Mahadevan 2003. Medians over faces that wrinkle visibly. Published (Chen et al. \
+         2021, figures 8 and 10) as pictures only: too \
          fine, unnatural wrinkles near the clamps.",
         &["scene", "where", "solve: wavelength (mm)", "law (mm)", "law, as a closed form (mm)"],
     );
@@ -36,10 +41,18 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
                 text(&scene.title),
                 text(place),
                 median_mm(
-                    visible(built, &solution.solved.field).filter(|&f| inside(f)).map(|f| wavelength(built, &solution.solved.field, f)),
+                    visible(built, &solution.solved.field)
+                        .filter(|&f| inside(f))
+                        .map(|f| wavelength(built, &solution.solved.field, f)),
                 ),
-                median_mm(visible(built, &law.field).filter(|&f| inside(f)).map(|f| law.wavelength_m[f])),
-                median_mm(visible(built, &law.field).filter(|&f| inside(f)).map(|f| wavelength(built, &law.field, f))),
+                median_mm(
+                    visible(built, &law.field).filter(|&f| inside(f)).map(|f| law.wavelength_m[f]),
+                ),
+                median_mm(
+                    visible(built, &law.field)
+                        .filter(|&f| inside(f))
+                        .map(|f| wavelength(built, &law.field, f)),
+                ),
             ]);
         }
         energies.push(energy_row(&scene, &solution, &law));
@@ -50,11 +63,17 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
             Look::phase("Phase of the solve", built, pose, &solution.solved.field),
             Look::phase("Phase of the law", built, pose, &law.field),
         ];
-        study.picture(&format!("scaling-law-{number:02}"), &format!("{}: solve and scaling law", scene.title), built, &looks)?;
+        study.picture(
+            &format!("scaling-law-{number:02}"),
+            &format!("{}: solve and scaling law", scene.title),
+            built,
+            &looks,
+        )?;
     }
     study.document.table(
         "Waves and energy",
-        "Energy of the field in the same functional (eqs. 20–26 of Chen et al. 2021); the law does not minimise it.",
+        "Energy of the field in the same functional (eqs. 20–26 of Chen et al. 2021); the law does \
+         not minimise it.",
         &[
             "scene",
             "solve: waves",
@@ -75,18 +94,38 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 fn law(solution: &Solution) -> Result<ScalingLaw, Stop> {
     let built = &solution.built;
     let held = built.clamps.held();
-    Ok(field::scaling_law(&built.topology, &built.rest, &solution.pose, &held, &built.material, &built.field)?)
+    Ok(field::scaling_law(
+        &built.topology,
+        &built.rest,
+        &solution.pose,
+        &held,
+        &built.material,
+        &built.field,
+    )?)
 }
 
 fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [Cell; 9] {
     let built = &solution.built;
     let energy = |field: &WrinkleField| {
-        let terms = field::energy(&built.topology, &built.rest, &solution.pose, &built.material, &built.field, field);
-        terms.stretching_joule + terms.curvature_joule + terms.mixed_joule + terms.amplitude_gradient_joule + terms.bending_joule
+        let terms = field::energy(
+            &built.topology,
+            &built.rest,
+            &solution.pose,
+            &built.material,
+            &built.field,
+            field,
+        );
+        terms.stretching_joule
+            + terms.curvature_joule
+            + terms.mixed_joule
+            + terms.amplitude_gradient_joule
+            + terms.bending_joule
     };
     let mut report = solution.solved.report.clone();
     report.periods.clone_from(&law.periods);
-    let waves = |measured: Vec<scene::Measured>| measured.first().map_or_else(none, |measured| fixed(measured.value, 1));
+    let waves = |measured: Vec<scene::Measured>| {
+        measured.first().map_or_else(none, |measured| fixed(measured.value, 1))
+    };
     let published = solution.measured.first().and_then(|measured| measured.published);
     let (ours, laws) = (energy(&solution.solved.field), energy(&law.field));
     [
@@ -105,8 +144,10 @@ fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [C
 /// Faces that wrinkle visibly: mean amplitude at least 1 % of the largest.
 fn visible<'a>(built: &'a Built, field: &'a WrinkleField) -> impl Iterator<Item = usize> + 'a {
     let least = 3.0 * 0.01 * 1e-3 * peak_mm(field);
-    let sum = move |f: usize| built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>();
-    (0..built.topology.face_count()).filter(move |&f| !field.wrinkle_free[f] && least > 0.0 && sum(f) >= least)
+    let sum =
+        move |f: usize| built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>();
+    (0..built.topology.face_count())
+        .filter(move |&f| !field.wrinkle_free[f] && least > 0.0 && sum(f) >= least)
 }
 
 /// Wavelength (m) of a field on a face.

@@ -3,7 +3,8 @@
 use plisse::Result;
 use plisse::scene::{Scene, parse};
 
-/// File name and text of every scene below 20, in the order of their numbers; from there on scenes grow, and no study has them.
+/// File name and text of every scene below 20, in the order of their numbers; from there on scenes
+/// grow, and no study has them.
 const SCENES: [(&str, &str); 11] = [
     ("01-twisted-cylinder.toml", include_str!("../../../../examples/01-twisted-cylinder.toml")),
     ("02-stretched-sheet.toml", include_str!("../../../../examples/02-stretched-sheet.toml")),
@@ -21,7 +22,11 @@ const SCENES: [(&str, &str); 11] = [
 /// The scene whose file begins with this number, if there is one.
 pub(crate) fn numbered(number: usize) -> Result<Option<Scene>> {
     let prefix = format!("{number:02}-");
-    SCENES.iter().find(|(name, _)| name.starts_with(&prefix)).map(|(name, text)| parse(name, text)).transpose()
+    SCENES
+        .iter()
+        .find(|(name, _)| name.starts_with(&prefix))
+        .map(|(name, text)| parse(name, text))
+        .transpose()
 }
 
 /// The scene whose file begins with this number, which is one of the first three.
@@ -36,8 +41,11 @@ mod tests {
     #[test]
     fn every_example_is_built_in_and_can_be_read() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
-        let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-        let mut there: Vec<String> = files.filter(|name| name.ends_with(".toml") && name.as_str() < "20").collect();
+        let files = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut there: Vec<String> =
+            files.filter(|name| name.ends_with(".toml") && name.as_str() < "20").collect();
         there.sort();
         assert_eq!(SCENES.map(|(name, _)| name.to_owned()).to_vec(), there);
         for number in 1..=SCENES.len() {

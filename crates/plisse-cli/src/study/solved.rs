@@ -55,7 +55,11 @@ impl Solution {
 
     /// Waves around, as the scene counts them; else most turns around a loop.
     pub(crate) fn waves_around(&self) -> Option<f64> {
-        let asked = self.measured.iter().find(|measured| measured.unit == "waves").map(|measured| measured.value);
+        let asked = self
+            .measured
+            .iter()
+            .find(|measured| measured.unit == "waves")
+            .map(|measured| measured.value);
         asked.or(self.around().map(|period| period.turns as f64))
     }
 
@@ -65,7 +69,8 @@ impl Solution {
     }
 }
 
-/// Scene 01 with waves counted around half its height, for shells: they have no phase whose turns could be counted.
+/// Scene 01 with waves counted around half its height, for shells: they have no phase whose turns
+/// could be counted.
 pub(crate) fn with_waves_at_half_height(mut scene: Scene) -> Scene {
     let panel = &scene.panel[0];
     let (width, height) = (panel.width_m.unwrap_or(1.0), panel.height_m.unwrap_or(1.0));
@@ -100,11 +105,16 @@ impl Study<'_> {
     }
 
     /// The base surface of a scene whose mesh may be fine.
-    pub(crate) fn base_of(&self, scene: &Scene, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
+    pub(crate) fn base_of(
+        &self,
+        scene: &Scene,
+        built: &Built,
+    ) -> Result<(Vec<Vec3>, BaseReport), Stop> {
         self.one_step(|| scene::solve_base(scene, built, self.bars))
     }
 
-    /// `solve`, with its bar put away; neither it nor what it found counts if there was an interruption.
+    /// `solve`, with its bar put away; neither it nor what it found counts if there was an
+    /// interruption.
     fn one_step<T>(&self, solve: impl FnOnce() -> plisse::Result<T>) -> Result<T, Stop> {
         self.go_on()?;
         let found = solve()?;
@@ -114,31 +124,64 @@ impl Study<'_> {
     }
 
     /// The field of a scene on a base surface.
-    pub(crate) fn solve_on(&self, built: Built, pose: Vec<Vec3>, base: BaseReport) -> Result<Solution, Stop> {
+    pub(crate) fn solve_on(
+        &self,
+        built: Built,
+        pose: Vec<Vec3>,
+        base: BaseReport,
+    ) -> Result<Solution, Stop> {
         let held = built.clamps.held();
-        let solved = self.one_step(|| solve(&built.topology, &built.rest, &pose, &held, &built.material, &built.field, self.bars))?;
+        let solved = self.one_step(|| {
+            solve(
+                &built.topology,
+                &built.rest,
+                &pose,
+                &held,
+                &built.material,
+                &built.field,
+                self.bars,
+            )
+        })?;
         let measured = scene::measure(&built, &solved.field, &solved.report);
         Ok(Solution { built, pose, base, solved, measured })
     }
 
-    /// The reference shell of a scene from its base surface, and after how many seconds it was stable; also if it was interrupted.
-    pub(crate) fn shell(&mut self, built: &Built, base: &[Vec3]) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
+    /// The reference shell of a scene from its base surface, and after how many seconds it was
+    /// stable; also if it was interrupted.
+    pub(crate) fn shell(
+        &mut self,
+        built: &Built,
+        base: &[Vec3],
+    ) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
         self.go_on()?;
         let limit = if self.quick { 30 } else { ReferenceOptions::default().iteration_limit };
         let imperfection_m = IMPERFECTION * built.material.thickness_m;
-        let options = ReferenceOptions { imperfection_m, iteration_limit: limit, ..ReferenceOptions::default() };
+        let options = ReferenceOptions {
+            imperfection_m,
+            iteration_limit: limit,
+            ..ReferenceOptions::default()
+        };
         let watch = StableWatch::new(self.bars);
         let (pose, report) = solve_reference(&built.setup(), base, &options, &watch)?;
         self.bars.finish();
         if matches!(report.ending, Ending::IterationLimit | Ending::Cancelled) {
             let (title, vertices, iterations) = (&built.title, base.len(), report.iterations);
-            self.document.notes.push(format!("{title}, reference shell of {vertices} vertices: stopped after {iterations} iterations"));
+            self.document.notes.push(format!(
+                "{title}, reference shell of {vertices} vertices: \
+                stopped after {iterations} iterations"
+            ));
         }
         Ok((pose, report, watch.stable_seconds()))
     }
 
     /// Draws four surfaces of the scene `built` into `name`.png.
-    pub(crate) fn picture(&mut self, name: &str, caption: &str, built: &Built, looks: &[Look; 4]) -> Result<(), Stop> {
+    pub(crate) fn picture(
+        &mut self,
+        name: &str,
+        caption: &str,
+        built: &Built,
+        looks: &[Look; 4],
+    ) -> Result<(), Stop> {
         let spinner = self.bars.spinner("picture");
         let panels = looks.each_ref().map(Look::panel);
         let image = draw_panels_at(&panels, &looks[0].positions, Up::Z, &built.obstacles, SIZE);
@@ -167,7 +210,12 @@ enum LookPaint {
 impl Look {
     /// A coarse mesh with its edges.
     pub(crate) fn mesh(title: &str, built: &Built, positions: &[Vec3]) -> Self {
-        Self { title: title.to_owned(), positions: positions.to_vec(), faces: built.topology.faces.clone(), paint: LookPaint::Mesh }
+        Self {
+            title: title.to_owned(),
+            positions: positions.to_vec(),
+            faces: built.topology.faces.clone(),
+            paint: LookPaint::Mesh,
+        }
     }
 
     /// A fine mesh.
@@ -176,17 +224,46 @@ impl Look {
     }
 
     /// The surface that `field` wrinkles; `v2`: with the in-plane correction.
-    pub(crate) fn wrinkled(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField, v2: bool) -> Self {
+    pub(crate) fn wrinkled(
+        title: &str,
+        built: &Built,
+        pose: &[Vec3],
+        field: &WrinkleField,
+        v2: bool,
+    ) -> Self {
         let obstacles = (&built.obstacles[..], 0.5 * built.material.thickness_m);
-        let wrinkled = Posed { v1: false, v2, obstacles, ..built.posed(pose) }.wrinkle(field, levels(built, field));
-        Self { title: title.to_owned(), positions: wrinkled.positions, faces: wrinkled.fine.topology.faces, paint: LookPaint::Cloth }
+        let wrinkled = Posed { v1: false, v2, obstacles, ..built.posed(pose) }
+            .wrinkle(field, levels(built, field));
+        Self {
+            title: title.to_owned(),
+            positions: wrinkled.positions,
+            faces: wrinkled.fine.topology.faces,
+            paint: LookPaint::Cloth,
+        }
     }
 
     /// The phase on the base surface.
     pub(crate) fn phase(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Self {
-        let fine = upsample(&built.topology, pose, field, &built.rest_positions, &built.rest_faces, levels(built, field));
-        let corners = fine.phase.iter().zip(&fine.wrinkle_free).map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase }).collect();
-        Self { title: title.to_owned(), positions: fine.base, faces: fine.topology.faces, paint: LookPaint::Phase(corners) }
+        let fine = upsample(
+            &built.topology,
+            pose,
+            field,
+            &built.rest_positions,
+            &built.rest_faces,
+            levels(built, field),
+        );
+        let corners = fine
+            .phase
+            .iter()
+            .zip(&fine.wrinkle_free)
+            .map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase })
+            .collect();
+        Self {
+            title: title.to_owned(),
+            positions: fine.base,
+            faces: fine.topology.faces,
+            paint: LookPaint::Phase(corners),
+        }
     }
 
     fn panel(&self) -> PanelView<'_> {
@@ -195,7 +272,11 @@ impl Look {
             LookPaint::Cloth => Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
             LookPaint::Phase(corners) => Paint::Phase { corners },
         };
-        PanelView { title: &self.title, subject: Subject { positions: &self.positions, faces: &self.faces }, paint }
+        PanelView {
+            title: &self.title,
+            subject: Subject { positions: &self.positions, faces: &self.faces },
+            paint,
+        }
     }
 }
 

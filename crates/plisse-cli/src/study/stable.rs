@@ -29,7 +29,10 @@ impl<'a> StableWatch<'a> {
 
 impl Observer for StableWatch<'_> {
     fn step(&self, step: &Step) {
-        self.energies.lock().expect("nobody panics with it").push((self.begun.elapsed().as_secs_f64(), step.energy_joule));
+        self.energies
+            .lock()
+            .expect("nobody panics with it")
+            .push((self.begun.elapsed().as_secs_f64(), step.energy_joule));
         self.inner.step(step);
     }
 
@@ -40,7 +43,10 @@ impl Observer for StableWatch<'_> {
 
 fn stable_seconds(energies: &[(f64, f64)]) -> f64 {
     let Some(&(_, last)) = energies.last() else { return 0.0 };
-    let near = energies.iter().rev().take_while(|(_, energy)| (energy - last).abs() <= STABLE * last.abs());
+    let near = energies
+        .iter()
+        .rev()
+        .take_while(|(_, energy)| (energy - last).abs() <= STABLE * last.abs());
     near.last().map_or(0.0, |&(seconds, _)| seconds)
 }
 

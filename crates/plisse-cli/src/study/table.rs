@@ -1,4 +1,5 @@
-//! What a study writes: tables with a published number beside each of ours, as Markdown and as JSON.
+//! What a study writes: tables with a published number beside each of ours, as Markdown and as
+//! JSON.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -106,7 +107,14 @@ impl Document {
         let cells: Vec<Cell> = cells.into_iter().collect();
         assert_eq!(cells.len(), table.columns.len(), "a cell for each column of '{}'", table.title);
         table.shown.push(cells.iter().map(|cell| cell.shown.replace('|', "/")).collect());
-        table.rows.push(table.columns.iter().map(|&name| name.to_owned()).zip(cells.into_iter().map(|cell| cell.value)).collect());
+        table.rows.push(
+            table
+                .columns
+                .iter()
+                .map(|&name| name.to_owned())
+                .zip(cells.into_iter().map(|cell| cell.value))
+                .collect(),
+        );
     }
 
     /// The study as Markdown; its heading has `level` hashes.
@@ -117,7 +125,11 @@ impl Document {
         }
         for table in &self.tables {
             out += &format!("{} {}\n\n{}\n\n", "#".repeat(level + 1), table.title, table.text);
-            out += &format!("| {} |\n|{}\n", table.columns.join(" | "), "---|".repeat(table.columns.len()));
+            out += &format!(
+                "| {} |\n|{}\n",
+                table.columns.join(" | "),
+                "---|".repeat(table.columns.len())
+            );
             for row in &table.shown {
                 out += &format!("| {} |\n", row.join(" | "));
             }
@@ -137,6 +149,9 @@ impl Document {
 
     /// Machine and command, a line of Markdown.
     pub(crate) fn origin(&self) -> String {
-        format!("Written by `{}` (plisse {}) on {} cores with {} threads.\n\n", self.command, self.plisse, self.cores, self.threads)
+        format!(
+            "Written by `{}` (plisse {}) on {} cores with {} threads.\n\n",
+            self.command, self.plisse, self.cores, self.threads
+        )
     }
 }

@@ -1,4 +1,5 @@
-//! Vertices, iterations and seconds of base, field and reference shell (tables 1 and 2 of [Chen 2021]).
+//! Vertices, iterations and seconds of base, field and reference shell (tables 1 and 2 of [Chen
+//! 2021]).
 
 use std::path::Path;
 
@@ -30,7 +31,15 @@ struct Published {
 }
 
 const PUBLISHED: [Published; 11] = [
-    entry(1, "688", Some((12, 0.69)), Some((813, 104.92)), Some((1.0, 73.7)), Some(96_000), Some((50.94, 1528.68))),
+    entry(
+        1,
+        "688",
+        Some((12, 0.69)),
+        Some((813, 104.92)),
+        Some((1.0, 73.7)),
+        Some(96_000),
+        Some((50.94, 1528.68)),
+    ),
     entry(2, "522", Some((10, 0.45)), Some((23, 3.93)), None, Some(260_000), Some((2.57, 886.80))),
     entry(3, "1k", Some((21, 2.27)), Some((147, 27.52)), None, Some(20_000), Some((9.63, 673.11))),
     entry(4, "1.6k", None, Some((46, 15.06)), None, None, None),
@@ -39,7 +48,15 @@ const PUBLISHED: [Published; 11] = [
     entry(7, "2k", Some((11, 2.27)), Some((125, 74.82)), None, Some(40_000), Some((44.81, 57.29))),
     entry(8, "5k", Some((33, 16.04)), Some((91, 125.33)), None, Some(40_000), Some((52.33, 76.52))),
     entry(9, "936", Some((8, 0.78)), Some((46, 7.32)), None, Some(30_000), Some((1.98, 148.37))),
-    entry(10, "2k", Some((3, 0.93)), Some((1001, 322.25)), None, Some(98_000), Some((26.29, 251.91))),
+    entry(
+        10,
+        "2k",
+        Some((3, 0.93)),
+        Some((1001, 322.25)),
+        None,
+        Some(98_000),
+        Some((26.29, 251.91)),
+    ),
     entry(11, "–", None, None, None, None, None),
 ];
 
@@ -71,9 +88,14 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 /// The scenes of this study.
 fn each(study: &Study<'_>) -> Result<Vec<(&'static Published, Scene)>, Stop> {
     let mut list = Vec::new();
-    for published in PUBLISHED.iter().filter(|published| study.has_scene(published.scene) && (!study.quick || published.scene <= 3)) {
+    for published in PUBLISHED.iter().filter(|published| {
+        study.has_scene(published.scene) && (!study.quick || published.scene <= 3)
+    }) {
         if let Some(scene) = scenes::numbered(published.scene)? {
-            list.push((published, if published.scene == 1 { with_waves_at_half_height(scene) } else { scene }));
+            list.push((
+                published,
+                if published.scene == 1 { with_waves_at_half_height(scene) } else { scene },
+            ));
         }
     }
     Ok(list)
@@ -82,8 +104,10 @@ fn each(study: &Study<'_>) -> Result<Vec<(&'static Published, Scene)>, Stop> {
 fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Base surface and field",
-        "Seconds, medians where they are short. Published: Chen et al. 2021, table 2, 8 cores at 3.6 GHz, 1000 iterations at most; their code on a \
-         2-core machine where that was measured (on its own base surface of about the same size). Ratio: their field seconds, on 2 cores where \
+        "Seconds, medians where they are short. Published: Chen et al. 2021, table 2, 8 cores at \
+         3.6 GHz, 1000 iterations at most; their code on a \
+         2-core machine where that was measured (on its own base surface of about the same size). \
+         Ratio: their field seconds, on 2 cores where \
          known, divided by ours.",
         &[
             "scene",
@@ -102,9 +126,14 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
         ],
     );
     for (published, scene) in each(study)? {
-        let outcome = scene::build(&scene).map_err(Stop::from).and_then(|built| timed(study, built));
-        let Some((solution, base_seconds, field_seconds)) = study.or_note(&scene.title, outcome)? else { continue };
-        let theirs = published.here.map(|(_, field)| field).or(published.field.map(|(_, seconds)| seconds));
+        let outcome =
+            scene::build(&scene).map_err(Stop::from).and_then(|built| timed(study, built));
+        let Some((solution, base_seconds, field_seconds)) = study.or_note(&scene.title, outcome)?
+        else {
+            continue;
+        };
+        let theirs =
+            published.here.map(|(_, field)| field).or(published.field.map(|(_, seconds)| seconds));
         study.document.row([
             text(&scene.title),
             count(solution.vertices()),
@@ -127,12 +156,14 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
 /// A scene solved, and the seconds of its base and field.
 fn timed(study: &Study<'_>, built: scene::Built) -> Result<(Solution, f64, f64), Stop> {
     let solution = study.solve(built)?;
-    let (mut base, mut field) = (vec![solution.base.seconds], vec![solution.solved.report.field_seconds]);
+    let (mut base, mut field) =
+        (vec![solution.base.seconds], vec![solution.solved.report.field_seconds]);
     while base[0] < SHORT && base.len() < RUNS {
         base.push(study.base(&solution.built)?.1.seconds);
     }
     while field[0] < SHORT && field.len() < RUNS {
-        let again = study.solve_on(solution.built.clone(), solution.pose.clone(), solution.base.clone())?;
+        let again =
+            study.solve_on(solution.built.clone(), solution.pose.clone(), solution.base.clone())?;
         field.push(again.solved.report.field_seconds);
     }
     Ok((solution, median(base), median(field)))
@@ -141,9 +172,13 @@ fn timed(study: &Study<'_>, built: scene::Built) -> Result<(Solution, f64, f64),
 fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Field against reference shell",
-        "Equal quality means the vertices of table 1 of Chen et al. 2021, at which their shell shows its wrinkles. Where that is beyond the limit \
-         of vertices, the shell is run at the limit: its seconds, and the ratio, are lower bounds (>). Stable: from where the energy stays within 0.1 % of \
-         the last one (that of loads included, so early under pressure). Ratios: these, or all, seconds of the shell divided by all seconds of the field, both from the base surface on; published ratio: stable \
+        "Equal quality means the vertices of table 1 of Chen et al. 2021, at which their shell \
+         shows its wrinkles. Where that is beyond the limit \
+         of vertices, the shell is run at the limit: its seconds, and the ratio, are lower bounds \
+         (>). Stable: from where the energy stays within 0.1 % of \
+         the last one (that of loads included, so early under pressure). Ratios: these, or all, \
+         seconds of the shell divided by all seconds of the field, both from the base surface on; \
+         published ratio: stable \
          times of table 1. Waves by the scene's first measure in waves.",
         &[
             "scene",
@@ -172,12 +207,20 @@ fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal: usize, limit: usize) -> Result<(), Stop> {
+fn one_shell(
+    study: &mut Study<'_>,
+    published: &Published,
+    scene: &Scene,
+    equal: usize,
+    limit: usize,
+) -> Result<(), Stop> {
     let (solution, _, field_seconds) = timed(study, scene::build(scene)?)?;
     let (finer, built) = scene::with_vertices(scene, equal.min(limit))?;
     let (base, _) = study.base_of(&finer, &built)?;
     let (pose, report, stable_seconds) = study.shell(&built, &base)?;
-    let in_waves = |measured: &[scene::Measured]| measured.iter().find(|m| m.unit == "waves" && m.name != "waves around").map(|m| m.value);
+    let in_waves = |measured: &[scene::Measured]| {
+        measured.iter().find(|m| m.unit == "waves" && m.name != "waves around").map(|m| m.value)
+    };
     let ratio = |seconds: f64| {
         let ratio = fixed(seconds / field_seconds, 0);
         if equal > limit { ratio.above() } else { ratio }
@@ -200,15 +243,25 @@ fn one_shell(study: &mut Study<'_>, published: &Published, scene: &Scene, equal:
     ]);
     let looks = [
         Look::mesh("Base surface", &solution.built, &solution.pose),
-        Look::wrinkled(&format!("Field, {} vertices", solution.vertices()), &solution.built, &solution.pose, &solution.solved.field, true),
+        Look::wrinkled(
+            &format!("Field, {} vertices", solution.vertices()),
+            &solution.built,
+            &solution.pose,
+            &solution.solved.field,
+            true,
+        ),
         Look::mesh("Mesh of the shell", &built, &base),
         Look::cloth(&format!("Shell, {} vertices", pose.len()), &built, &pose),
     ];
-    let (name, caption) = (format!("timing-{:02}", published.scene), format!("{}: field and reference shell", scene.title));
+    let (name, caption) = (
+        format!("timing-{:02}", published.scene),
+        format!("{}: field and reference shell", scene.title),
+    );
     study.picture(&name, &caption, &solution.built, &looks)
 }
 
-/// A published mesh, its clamps, and figures: energy (J), largest amplitude (mm), waves; seconds of the published code.
+/// A published mesh, its clamps, and figures: energy (J), largest amplitude (mm), waves; seconds of
+/// the published code.
 type PublishedData = (&'static str, Option<&'static str>, [&'static str; 3], f64);
 
 const DATA: [PublishedData; 3] = [
@@ -220,7 +273,8 @@ const DATA: [PublishedData; 3] = [
 fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
     study.document.table(
         "On published data",
-        "The same rest shape, pose and material as the published code, whose wrinkle-free faces are found as it does; nothing but the field is solved. \
+        "The same rest shape, pose and material as the published code, whose wrinkle-free faces \
+         are found as it does; nothing but the field is solved. \
          Published figures: what that code finds, and its seconds, on a 2-core machine.",
         &[
             "mesh",
@@ -254,14 +308,23 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
         let options = FieldOptions { rule: WrinkleFreeRule::Published, ..FieldOptions::default() };
         let mut runs: Vec<Solved> = Vec::new();
         for _ in 0..RUNS {
-            runs.push(solve(&topology, &rest, &pose.positions, &held, &material, &options, study.bars)?);
+            runs.push(solve(
+                &topology,
+                &rest,
+                &pose.positions,
+                &held,
+                &material,
+                &options,
+                study.bars,
+            )?);
             study.bars.finish();
             study.go_on()?;
         }
         let ours = median(runs.iter().map(|run| run.report.field_seconds).collect());
         let (report, found) = (&runs[0].report, &runs[0].field);
         let around = report.periods.first().copied();
-        let difference = if clamp.is_none() { amplitudes_differ(&folder, &found.amplitude_m) } else { None };
+        let difference =
+            if clamp.is_none() { amplitudes_differ(&folder, &found.amplitude_m) } else { None };
         study.document.row([
             text(format!("{name}{}", if clamp.is_some() { ", rim held" } else { "" })),
             scientific(report.energy_joule),
@@ -284,7 +347,8 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
 /// Root mean square difference (%) from the amplitudes in `amplitude.txt`, if there is one.
 fn amplitudes_differ(folder: &Path, ours_m: &[f64]) -> Option<f64> {
     let text = std::fs::read_to_string(folder.join("amplitude.txt")).ok()?;
-    let published: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let published: Vec<f64> =
+        text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     let difference: f64 = published.iter().zip(ours_m).map(|(a, b)| (a - b).powi(2)).sum();
     Some(100.0 * (difference / published.iter().map(|a| a * a).sum::<f64>()).sqrt())
 }

@@ -1,4 +1,5 @@
-//! What the tests of the `plisse` command share: a folder of their own, and what every good and every refused run must look like.
+//! What the tests of the `plisse` command share: a folder of their own, and what every good and
+//! every refused run must look like.
 
 // Each test file takes what it needs.
 #![allow(dead_code)]
@@ -8,7 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Every file of a run, in alphabetical order.
-pub(crate) const FILES: [&str; 6] = ["base.obj", "field.json", "picture.png", "report.json", "wrinkled.glb", "wrinkled.obj"];
+pub(crate) const FILES: [&str; 6] =
+    ["base.obj", "field.json", "picture.png", "report.json", "wrinkled.glb", "wrinkled.obj"];
 
 /// A folder of its own for one test, removed at the end.
 pub(crate) struct Folder(pub(crate) PathBuf);
@@ -41,7 +43,10 @@ pub(crate) fn plisse() -> Command {
 
 /// Names of all files in `folder`, hidden ones too, in alphabetical order.
 pub(crate) fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .collect();
     names.sort();
     names
 }
@@ -76,7 +81,8 @@ pub(crate) fn example(name: &str) -> PathBuf {
 pub(crate) fn changed(name: &str, changes: &[(&str, &str)]) -> String {
     let mut text = std::fs::read_to_string(example(name)).unwrap();
     for (field, value) in changes {
-        let line = text.lines().find(|line| line.starts_with(&format!("{field} = "))).unwrap().to_owned();
+        let line =
+            text.lines().find(|line| line.starts_with(&format!("{field} = "))).unwrap().to_owned();
         text = text.replacen(&line, &format!("{field} = {value}"), 1);
     }
     text
@@ -94,15 +100,27 @@ pub(crate) fn json(path: &Path) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
 }
 
-/// An `n × n` sheet of side 1 m as OBJ text, squeezed in x; an irregular grid of triangles, or of quads.
+/// An `n × n` sheet of side 1 m as OBJ text, squeezed in x; an irregular grid of triangles, or of
+/// quads.
 pub(crate) fn sheet(n: usize, squeeze: f64, quads: bool) -> String {
     let mut text = String::new();
     let inner = |i: usize| i > 0 && i < n;
     for j in 0..=n {
         for i in 0..=n {
-            let jitter =
-                |k: usize| if inner(i) && inner(j) { 0.3 / n as f64 * (((i * 7 + j * 13 + k) as f64 * 0.618).fract() - 0.5) } else { 0.0 };
-            writeln!(text, "v {} {} 0", (i as f64 / n as f64 + jitter(0)) * squeeze, j as f64 / n as f64 + jitter(5)).unwrap();
+            let jitter = |k: usize| {
+                if inner(i) && inner(j) {
+                    0.3 / n as f64 * (((i * 7 + j * 13 + k) as f64 * 0.618).fract() - 0.5)
+                } else {
+                    0.0
+                }
+            };
+            writeln!(
+                text,
+                "v {} {} 0",
+                (i as f64 / n as f64 + jitter(0)) * squeeze,
+                j as f64 / n as f64 + jitter(5)
+            )
+            .unwrap();
         }
     }
     for j in 0..n {

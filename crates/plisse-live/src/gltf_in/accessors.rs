@@ -27,12 +27,21 @@ impl Accessors<'_> {
         Ok(self.numbers(accessor, 3, what)?.chunks_exact(3).map(Vec3::from_column_slice).collect())
     }
 
-    /// All numbers of `accessor`, whose elements must have `width` of them; normalised integers become fractions.
-    pub(super) fn numbers(&self, accessor: &Accessor<'_>, width: usize, what: &str) -> Result<Vec<f32>> {
+    /// All numbers of `accessor`, whose elements must have `width` of them; normalised integers
+    /// become fractions.
+    pub(super) fn numbers(
+        &self,
+        accessor: &Accessor<'_>,
+        width: usize,
+        what: &str,
+    ) -> Result<Vec<f32>> {
         if accessor.dimensions().multiplicity() != width {
             return bad(
                 self.place,
-                format!("{what}: there are {} numbers where {width} belong; export the file again", accessor.dimensions().multiplicity()),
+                format!(
+                    "{what}: there are {} numbers where {width} belong; export the file again",
+                    accessor.dimensions().multiplicity()
+                ),
             );
         }
         let scale = match accessor.data_type() {
@@ -43,9 +52,13 @@ impl Accessors<'_> {
             DataType::U32 | DataType::F32 => 1.0,
         };
         let scale = if accessor.normalized() { scale } else { 1.0 };
-        let values: Vec<f32> = self.raw(accessor, what)?.iter().map(|&x| (x / scale) as f32).collect();
+        let values: Vec<f32> =
+            self.raw(accessor, what)?.iter().map(|&x| (x / scale) as f32).collect();
         match values.iter().position(|x| !x.is_finite()) {
-            Some(i) => bad(self.place, format!("{what}: entry {} is no finite number; export the file again", i / width)),
+            Some(i) => bad(
+                self.place,
+                format!("{what}: entry {} is no finite number; export the file again", i / width),
+            ),
             None => Ok(values),
         }
     }
@@ -55,7 +68,10 @@ impl Accessors<'_> {
         let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
         let (data_type, size) = (accessor.data_type(), accessor.size());
         if count.checked_mul(width).is_none_or(|n| n > MOST) {
-            return bad(self.place, format!("{what}: {count} entries are too many; split the file"));
+            return bad(
+                self.place,
+                format!("{what}: {count} entries are too many; split the file"),
+            );
         }
         let mut values = match accessor.view() {
             Some(view) => {
@@ -74,15 +90,39 @@ impl Accessors<'_> {
             if sparse.count() > count {
                 return bad(
                     self.place,
-                    format!("{what}: {} sparse entries for {count} are too many; export the file again", sparse.count()),
+                    format!(
+                        "{what}: {} sparse entries for {count} are too many; export the file again",
+                        sparse.count()
+                    ),
                 );
             }
             let shape = [sparse.count(), 1];
-            let places = self.stored(&indices.view(), indices.offset(), bytes_of(index_type), shape, index_type, what)?;
-            let others = self.stored(&others.view(), others.offset(), size, [sparse.count(), width], data_type, what)?;
+            let places = self.stored(
+                &indices.view(),
+                indices.offset(),
+                bytes_of(index_type),
+                shape,
+                index_type,
+                what,
+            )?;
+            let others = self.stored(
+                &others.view(),
+                others.offset(),
+                size,
+                [sparse.count(), width],
+                data_type,
+                what,
+            )?;
             for (i, &place) in places.iter().enumerate() {
-                let Some(target) = values.get_mut(place as usize * width..(place as usize + 1) * width) else {
-                    return bad(self.place, format!("{what}: a sparse entry names {place} of {count}; export the file again"));
+                let Some(target) =
+                    values.get_mut(place as usize * width..(place as usize + 1) * width)
+                else {
+                    return bad(
+                        self.place,
+                        format!(
+                            "{what}: a sparse entry names {place} of {count}; export the file again"
+                        ),
+                    );
                 };
                 target.copy_from_slice(&others[i * width..(i + 1) * width]);
             }
@@ -90,7 +130,8 @@ impl Accessors<'_> {
         Ok(values)
     }
 
-    /// `[count][width]` numbers of `data_type` in `view` from `offset` (bytes) on, elements `stride` bytes apart.
+    /// `[count][width]` numbers of `data_type` in `view` from `offset` (bytes) on, elements
+    /// `stride` bytes apart.
     fn stored(
         &self,
         view: &gltf::buffer::View<'_>,
@@ -102,13 +143,27 @@ impl Accessors<'_> {
     ) -> Result<Vec<f64>> {
         let one = bytes_of(data_type);
         let size = one * width;
-        let part = view.offset().checked_add(view.length()).and_then(|end| self.buffers[view.buffer().index()].get(view.offset()..end));
-        let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size)?.checked_add(offset));
+        let part = view
+            .offset()
+            .checked_add(view.length())
+            .and_then(|end| self.buffers[view.buffer().index()].get(view.offset()..end));
+        let needed = count.checked_sub(1).map_or(Some(0), |last| {
+            last.checked_mul(stride)?.checked_add(size)?.checked_add(offset)
+        });
         let (Some(part), Some(needed)) = (part, needed) else {
-            return bad(self.place, format!("{what} lies outside its buffer; export the file again"));
+            return bad(
+                self.place,
+                format!("{what} lies outside its buffer; export the file again"),
+            );
         };
         if needed > part.len() {
-            return bad(self.place, format!("{what} needs {needed} bytes, but only {} are there; export the file again", part.len()));
+            return bad(
+                self.place,
+                format!(
+                    "{what} needs {needed} bytes, but only {} are there; export the file again",
+                    part.len()
+                ),
+            );
         }
         let mut values = Vec::with_capacity(count * width);
         for i in 0..count {

@@ -1,13 +1,15 @@
 //! Models from glTF 2.0 files (.glb, or .gltf with its buffers beside it or inside).
 //!
-//! Broken files end in one sentence. What is left out: points and lines, Draco and meshopt compression, influences beyond the eighth,
-//! texture coordinates beyond the first set and their transforms, what clips do to anything but nodes.
+//! Broken files end in one sentence. What is left out: points and lines, Draco and meshopt
+//! compression, influences beyond the eighth, texture coordinates beyond the first set and their
+//! transforms, what clips do to anything but nodes.
 //!
-//! The red channel of vertex colours (the first set) is taken as share of the wavelength, see [`crate::wavelength`]; white is all of it.
+//! The red channel of vertex colours (the first set) is taken as share of the wavelength, see
+//! [`crate::wavelength`]; white is all of it.
 //!
-//! A mesh that hangs on a node without a skin counts as skinned to that node alone. Bind-space positions are scaled (uniformly,
-//! by the median of edge lengths) to what the nodes' own pose gives: files whose skeleton carries a change of unit
-//! would seem to be crushed otherwise.
+//! A mesh that hangs on a node without a skin counts as skinned to that node alone. Bind-space
+//! positions are scaled (uniformly, by the median of edge lengths) to what the nodes' own pose
+//! gives: files whose skeleton carries a change of unit would seem to be crushed otherwise.
 
 mod accessors;
 mod trim;
@@ -25,7 +27,9 @@ use plisse::{Error, Result};
 use self::accessors::Accessors;
 use self::trim::{Image, trim};
 use self::uri::{load, short};
-use crate::model::{Channel, Clip, INFLUENCES, Interpolation, Model, Morph, Node, Target, order_nodes};
+use crate::model::{
+    Channel, Clip, INFLUENCES, Interpolation, Model, Morph, Node, Target, order_nodes,
+};
 use crate::skin::{pose, skin};
 use crate::unify::{Unified, fill_normals};
 use crate::{Mat4, Vec2, Vec3};
@@ -43,17 +47,24 @@ pub fn read(path: &Path) -> Result<Model> {
 ///
 /// # Errors
 /// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint or
-/// vertex index is out of range, a number is no number, nodes form a ring, nothing has positions and faces.
+/// vertex index is out of range, a number is no number, nodes form a ring, nothing has positions
+/// and faces.
 pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
     let bad = |message: String| Error::mesh(place, message);
     if bytes.starts_with(b"glTF") {
-        let length = bytes.get(8..12).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+        let length =
+            bytes.get(8..12).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
         if length < 20 || length > bytes.len() {
-            let message = format!("the GLB says it has {length} bytes but has {}; it was cut off, so export or copy it again", bytes.len());
+            let message = format!(
+                "the GLB says it has {length} bytes but has {}; it was cut off, so export or copy \
+                 it again",
+                bytes.len()
+            );
             return Err(bad(message));
         }
     }
-    let invalid = |e: &dyn Display| bad(format!("this is no valid glTF 2.0 file ({e}); export it again"));
+    let invalid =
+        |e: &dyn Display| bad(format!("this is no valid glTF 2.0 file ({e}); export it again"));
     let (text, blob) = if bytes.starts_with(b"glTF") {
         let glb = gltf::Glb::from_slice(bytes).map_err(|e| invalid(&e))?;
         (glb.json, glb.bin)
@@ -68,15 +79,20 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     for buffer in file.buffers() {
         let n = buffer.index();
         let data = match buffer.source() {
-            gltf::buffer::Source::Bin => {
-                blob.as_ref().ok_or_else(|| bad(format!("buffer {n} is missing; export it again as GLB")))?.to_vec()
-            }
-            gltf::buffer::Source::Uri(uri) => {
-                load(uri, folder).ok_or_else(|| bad(format!("buffer {n} ({}) cannot be read; put it beside the file", short(uri))))?
-            }
+            gltf::buffer::Source::Bin => blob
+                .as_ref()
+                .ok_or_else(|| bad(format!("buffer {n} is missing; export it again as GLB")))?
+                .to_vec(),
+            gltf::buffer::Source::Uri(uri) => load(uri, folder).ok_or_else(|| {
+                bad(format!("buffer {n} ({}) cannot be read; put it beside the file", short(uri)))
+            })?,
         };
         if data.len() < buffer.length() {
-            let message = format!("buffer {n} has {} bytes instead of {}; export the file again", data.len(), buffer.length());
+            let message = format!(
+                "buffer {n} has {} bytes instead of {}; export the file again",
+                data.len(),
+                buffer.length()
+            );
             return Err(bad(message));
         }
         buffers.push(data);
@@ -89,14 +105,27 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     reader.nodes(&file)?;
     let mut instances = Vec::new();
     for node in file.nodes().filter(|n| n.mesh().is_some()) {
-        let first = [reader.model.draw.positions.len(), reader.model.palette_nodes.len(), reader.model.faces.len()];
+        let first = [
+            reader.model.draw.positions.len(),
+            reader.model.palette_nodes.len(),
+            reader.model.faces.len(),
+        ];
         reader.instance(&node)?;
         if node.skin().is_some() {
-            instances.push((first, [reader.model.draw.positions.len(), reader.model.palette_nodes.len(), reader.model.faces.len()]));
+            instances.push((
+                first,
+                [
+                    reader.model.draw.positions.len(),
+                    reader.model.palette_nodes.len(),
+                    reader.model.faces.len(),
+                ],
+            ));
         }
     }
     if reader.model.faces.is_empty() {
-        return Err(bad("no mesh has positions and triangles; export a model with a surface".to_owned()));
+        return Err(bad(
+            "no mesh has positions and triangles; export a model with a surface".to_owned()
+        ));
     }
     reader.pad();
     reader.clips(&file)?;
@@ -104,7 +133,9 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
         Image::View(v) => {
             let view = file.views().nth(v)?;
             let end = view.offset().checked_add(view.length())?;
-            reader.accessors.buffers[view.buffer().index()].get(view.offset()..end).map(<[u8]>::to_vec)
+            reader.accessors.buffers[view.buffer().index()]
+                .get(view.offset()..end)
+                .map(<[u8]>::to_vec)
         }
         Image::Uri(uri) => load(&uri, folder),
     });
@@ -134,7 +165,10 @@ impl Reader<'_> {
         for node in file.nodes() {
             let (t, r, s) = node.transform().decomposed();
             if t.iter().chain(&r).chain(&s).any(|x| !x.is_finite()) {
-                return self.bad(format!("node {} has a transform that is no number; correct it", node.index()));
+                return self.bad(format!(
+                    "node {} has a transform that is no number; correct it",
+                    node.index()
+                ));
             }
             let rotation = crate::model::quaternion(&r);
             self.model.nodes.push(Node {
@@ -147,14 +181,19 @@ impl Reader<'_> {
         for node in file.nodes() {
             for child in node.children() {
                 if self.model.nodes[child.index()].parent.replace(node.index()).is_some() {
-                    return self.bad(format!("node {} has two parents; export the file again", child.index()));
+                    return self.bad(format!(
+                        "node {} has two parents; export the file again",
+                        child.index()
+                    ));
                 }
             }
         }
         self.target_of_node = vec![(0, 0); self.model.nodes.len()];
         match order_nodes(&self.model.nodes) {
             Some(order) => self.model.node_order = order,
-            None => return self.bad("nodes form a ring, each the parent of the next; break it or export the file again"),
+            None => return self.bad(
+                "nodes form a ring, each the parent of the next; break it or export the file again",
+            ),
         }
         Ok(())
     }
@@ -170,9 +209,17 @@ impl Reader<'_> {
             if let Some(accessor) = skin.inverse_bind_matrices() {
                 let values = self.accessors.numbers(&accessor, 16, "inverse bind matrices")?;
                 if values.len() < 16 * joints.len() {
-                    return self.bad(format!("skin {} has fewer inverse bind matrices than joints; export the file again", skin.index()));
+                    return self.bad(format!(
+                        "skin {} has fewer inverse bind matrices than joints; \
+                        export the file again",
+                        skin.index()
+                    ));
                 }
-                binds = values.chunks_exact(16).take(joints.len()).map(Mat4::from_column_slice).collect();
+                binds = values
+                    .chunks_exact(16)
+                    .take(joints.len())
+                    .map(Mat4::from_column_slice)
+                    .collect();
             }
             self.model.palette_nodes.extend(&joints);
             self.model.inverse_binds.extend(binds);
@@ -204,11 +251,20 @@ impl Reader<'_> {
         let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
         for t in 0..targets {
             self.model.draw.morphs.push(Morph::default());
-            self.model.morph_weights.push(weights.get(t).copied().filter(|w| w.is_finite()).unwrap_or(0.0));
+            self.model
+                .morph_weights
+                .push(weights.get(t).copied().filter(|w| w.is_finite()).unwrap_or(0.0));
         }
         for primitive in mesh.primitives() {
             let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-            self.primitive(&primitive, &place, node.skin().is_some(), (first_joint, joint_count), first_target, &own)?;
+            self.primitive(
+                &primitive,
+                &place,
+                node.skin().is_some(),
+                (first_joint, joint_count),
+                first_target,
+                &own,
+            )?;
         }
         Ok(())
     }
@@ -227,18 +283,32 @@ impl Reader<'_> {
         let positions = self.accessors.vectors(&accessor, &format!("{place}, positions"))?;
         let count = positions.len();
         let indices: Vec<u32> = match primitive.indices() {
-            Some(accessor) => self.accessors.raw(&accessor, &format!("{place}, indices"))?.iter().map(|&x| x as u32).collect(),
+            Some(accessor) => self
+                .accessors
+                .raw(&accessor, &format!("{place}, indices"))?
+                .iter()
+                .map(|&x| x as u32)
+                .collect(),
             None => (0..count as u32).collect(),
         };
         if let Some(&i) = indices.iter().find(|&&i| i as usize >= count) {
-            return self.bad(format!("{place} names vertex {i}, but there are only {count}; export the file again"));
+            return self.bad(format!(
+                "{place} names vertex {i}, but there are only {count}; export the file again"
+            ));
         }
         let triangles: Vec<[u32; 3]> = match primitive.mode() {
             Mode::Triangles => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-            Mode::TriangleStrip => {
-                indices.windows(3).enumerate().map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[1], c[0], c[2]] }).collect()
-            }
-            Mode::TriangleFan => indices.get(1..).unwrap_or(&[]).windows(2).map(|c| [indices[0], c[0], c[1]]).collect(),
+            Mode::TriangleStrip => indices
+                .windows(3)
+                .enumerate()
+                .map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[1], c[0], c[2]] })
+                .collect(),
+            Mode::TriangleFan => indices
+                .get(1..)
+                .unwrap_or(&[])
+                .windows(2)
+                .map(|c| [indices[0], c[0], c[1]])
+                .collect(),
             Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
         };
         let linear = own.fixed_view::<3, 3>(0, 0).into_owned();
@@ -266,23 +336,31 @@ impl Reader<'_> {
             shares.resize(base, 1.0);
             shares.extend(colours.chunks_exact(width).take(count).map(|c| c[0].clamp(0.0, 1.0)));
         }
-        let (mut joints, mut weights) = (vec![[first_joint as u16; INFLUENCES]; count], vec![[0f32; INFLUENCES]; count]);
+        let (mut joints, mut weights) =
+            (vec![[first_joint as u16; INFLUENCES]; count], vec![[0f32; INFLUENCES]; count]);
         for set in 0..if skinned { INFLUENCES / 4 } else { 0 } {
-            let (Some(j), Some(w)) = (primitive.get(&Semantic::Joints(set as u32)), primitive.get(&Semantic::Weights(set as u32))) else {
+            let (Some(j), Some(w)) = (
+                primitive.get(&Semantic::Joints(set as u32)),
+                primitive.get(&Semantic::Weights(set as u32)),
+            ) else {
                 break;
             };
             let j = self.accessors.raw(&j, &format!("{place}, joints"))?;
             let w = self.accessors.numbers(&w, 4, &format!("{place}, weights"))?;
             if j.len() < 4 * count || w.len() < 4 * count {
-                return self.bad(format!("{place} has fewer joints or weights than vertices; export the file again"));
+                return self.bad(format!(
+                    "{place} has fewer joints or weights than vertices; export the file again"
+                ));
             }
             for v in 0..count {
                 for k in 0..4 {
                     let (joint, weight) = (j[4 * v + k] as usize, w[4 * v + k].max(0.0));
                     if weight > 0.0 {
                         if joint >= joint_count {
-                            return self
-                                .bad(format!("{place}, vertex {v} hangs on joint {joint}, but the skin has {joint_count}; bind it again"));
+                            return self.bad(format!(
+                                "{place}, vertex {v} hangs on joint {joint}, but the \
+                                    skin has {joint_count}; bind it again"
+                            ));
                         }
                         joints[v][4 * set + k] = (first_joint + joint) as u16;
                         weights[v][4 * set + k] = weight;
@@ -316,7 +394,11 @@ impl Reader<'_> {
         }
         let draw = &mut self.model.draw;
         draw.positions.extend(positions.iter().map(|x| own.transform_point(&(*x).into()).coords));
-        draw.normals.extend(normals.iter().map(|n| (normal_map * n).try_normalize(1e-20).unwrap_or_else(Vec3::zeros)));
+        draw.normals.extend(
+            normals
+                .iter()
+                .map(|n| (normal_map * n).try_normalize(1e-20).unwrap_or_else(Vec3::zeros)),
+        );
         draw.joints.extend(joints);
         draw.weights.extend(weights);
         self.model.uvs.extend(uvs);
@@ -337,7 +419,8 @@ impl Reader<'_> {
 
     fn clips(&mut self, file: &gltf::Document) -> Result<()> {
         for animation in file.animations() {
-            let name = animation.name().map_or_else(|| animation.index().to_string(), str::to_owned);
+            let name =
+                animation.name().map_or_else(|| animation.index().to_string(), str::to_owned);
             let mut clip = Clip { name: name.clone(), channels: Vec::new() };
             for channel in animation.channels() {
                 let node = channel.target().node().index();
@@ -363,8 +446,14 @@ impl Reader<'_> {
                     gltf::animation::Interpolation::Linear => (Interpolation::Linear, 1),
                     gltf::animation::Interpolation::CubicSpline => (Interpolation::Cubic, 3),
                 };
-                if times.is_empty() || times.windows(2).any(|t| t[1] <= t[0]) || values.len() != times.len() * parts * width {
-                    return self.bad(format!("{what} has no keys, keys out of order, or not one value per key; export the file again"));
+                if times.is_empty()
+                    || times.windows(2).any(|t| t[1] <= t[0])
+                    || values.len() != times.len() * parts * width
+                {
+                    return self.bad(format!(
+                        "{what} has no keys, keys out of order, or not one \
+                        value per key; export the file again"
+                    ));
                 }
                 clip.channels.push(Channel { target, interpolation, times, values });
             }
@@ -374,7 +463,8 @@ impl Reader<'_> {
     }
 }
 
-/// Scales the rest positions of one skinned instance (its ranges of vertices, palette and faces) to what the nodes' pose gives.
+/// Scales the rest positions of one skinned instance (its ranges of vertices, palette and faces) to
+/// what the nodes' pose gives.
 fn scale_rest(model: &mut Model, first: [usize; 3], end: [usize; 3]) {
     let posed = skin(&model.draw, &pose(model, None, 0.0)).positions;
     let mut ratios = Vec::new();
@@ -400,5 +490,7 @@ fn scale_rest(model: &mut Model, first: [usize; 3], end: [usize; 3]) {
     for morph in &mut model.draw.morphs {
         morph.positions[vertices.clone()].iter_mut().for_each(|x| *x *= scale);
     }
-    model.inverse_binds[first[1]..end[1]].iter_mut().for_each(|m| *m *= Mat4::new_scaling(1.0 / scale));
+    model.inverse_binds[first[1]..end[1]]
+        .iter_mut()
+        .for_each(|m| *m *= Mat4::new_scaling(1.0 / scale));
 }

@@ -1,12 +1,22 @@
-//! Takes out of a glTF file what this reader has no use for, before the rest is checked: an unknown attribute, a material's extension or a camera must
-//! not make a model unusable.
+//! Takes out of a glTF file what this reader has no use for, before the rest is checked: an unknown
+//! attribute, a material's extension or a camera must not make a model unusable.
 
 use serde_json::{Value, json};
 
 /// Extensions without which there is no geometry.
-const COMPRESSIONS: [&str; 3] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 /// Attributes that are read.
-const ATTRIBUTES: [&str; 8] = ["POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0", "JOINTS_0", "JOINTS_1", "WEIGHTS_0", "WEIGHTS_1"];
+const ATTRIBUTES: [&str; 8] = [
+    "POSITION",
+    "NORMAL",
+    "TEXCOORD_0",
+    "COLOR_0",
+    "JOINTS_0",
+    "JOINTS_1",
+    "WEIGHTS_0",
+    "WEIGHTS_1",
+];
 /// Properties of nodes that clips may move.
 const PROPERTIES: [&str; 4] = ["translation", "rotation", "scale", "weights"];
 
@@ -19,19 +29,38 @@ pub(super) enum Image {
     Uri(String),
 }
 
-/// Leaves in `root`, the JSON of a file, only what is read; returns the image of the first material that has one. What is wrong with that is left to
-/// be found.
+/// Leaves in `root`, the JSON of a file, only what is read; returns the image of the first material
+/// that has one. What is wrong with that is left to be found.
 ///
 /// # Errors
-/// A sentence without its place, if the geometry is compressed or a clip moves a node that is not there.
+/// A sentence without its place, if the geometry is compressed or a clip moves a node that is not
+/// there.
 pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
-    if let Some(name) = each(&root["extensionsRequired"]).filter_map(Value::as_str).find(|name| COMPRESSIONS.contains(name)) {
-        return Err(format!("its geometry is compressed ({name}), which is not read; export it without compression"));
+    if let Some(name) = each(&root["extensionsRequired"])
+        .filter_map(Value::as_str)
+        .find(|name| COMPRESSIONS.contains(name))
+    {
+        return Err(format!(
+            "its geometry is compressed ({name}), which is not read; export it without compression"
+        ));
     }
     let image = image(root);
     let nodes = each(&root["nodes"]).count();
     for node in entries(root, "nodes") {
-        keep(node, &["name", "children", "matrix", "translation", "rotation", "scale", "mesh", "skin", "weights"]);
+        keep(
+            node,
+            &[
+                "name",
+                "children",
+                "matrix",
+                "translation",
+                "rotation",
+                "scale",
+                "mesh",
+                "skin",
+                "weights",
+            ],
+        );
     }
     let mut position_accessors = Vec::new();
     for primitive in entries(root, "meshes").flat_map(|mesh| entries(mesh, "primitives")) {
@@ -44,13 +73,19 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
     }
     // Bounds are not used, so they may be missing.
     for a in position_accessors {
-        if let Some(accessor) = root.get_mut("accessors").and_then(|list| list.get_mut(a)).and_then(Value::as_object_mut) {
+        if let Some(accessor) = root
+            .get_mut("accessors")
+            .and_then(|list| list.get_mut(a))
+            .and_then(Value::as_object_mut)
+        {
             accessor.insert("min".to_owned(), json!([0, 0, 0]));
             accessor.insert("max".to_owned(), json!([0, 0, 0]));
         }
     }
     for (a, animation) in entries(root, "animations").enumerate() {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { continue };
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
+            continue;
+        };
         // Extensions let a clip move other things, which have no node or another path.
         let target = |channel: &Value| {
             let path = channel["target"]["path"].as_str()?;
@@ -58,23 +93,32 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
         };
         channels.retain(|channel| target(channel).is_some());
         if let Some(n) = channels.iter().filter_map(target).find(|&n| n >= nodes) {
-            return Err(format!("clip {a} moves node {n}, but there are only {nodes}; export it again"));
+            return Err(format!(
+                "clip {a} moves node {n}, but there are only {nodes}; export it again"
+            ));
         }
     }
     for view in entries(root, "bufferViews") {
         keep(view, &["buffer", "byteOffset", "byteLength", "byteStride"]);
     }
-    keep(root, &["asset", "accessors", "animations", "buffers", "bufferViews", "meshes", "nodes", "skins"]);
+    keep(
+        root,
+        &["asset", "accessors", "animations", "buffers", "bufferViews", "meshes", "nodes", "skins"],
+    );
     Ok(image)
 }
 
 /// The image of the first material with a base colour image, of either kind of material.
 fn image(root: &Value) -> Option<Image> {
     let texture = |material: &Value| {
-        let glossy = &material["extensions"]["KHR_materials_pbrSpecularGlossiness"]["diffuseTexture"];
-        [&material["pbrMetallicRoughness"]["baseColorTexture"], glossy].into_iter().find_map(|t| index(&t["index"]))
+        let glossy =
+            &material["extensions"]["KHR_materials_pbrSpecularGlossiness"]["diffuseTexture"];
+        [&material["pbrMetallicRoughness"]["baseColorTexture"], glossy]
+            .into_iter()
+            .find_map(|t| index(&t["index"]))
     };
-    let source = index(&root["textures"].get(each(&root["materials"]).find_map(texture)?)?["source"])?;
+    let source =
+        index(&root["textures"].get(each(&root["materials"]).find_map(texture)?)?["source"])?;
     let image = root["images"].get(source)?;
     let uri = || image["uri"].as_str().map(|uri| Image::Uri(uri.to_owned()));
     index(&image["bufferView"]).map(Image::View).or_else(uri)

@@ -1,4 +1,5 @@
-//! A long-sleeved shirt on two arms: a torso tube with two armholes, a sleeve sewn to each, all one surface.
+//! A long-sleeved shirt on two arms: a torso tube with two armholes, a sleeve sewn to each, all one
+//! surface.
 
 use std::f32::consts::{PI, TAU};
 
@@ -26,24 +27,29 @@ const HOLE_ROW: usize = 3;
 const HOLE_COLUMNS: [usize; 2] = [13, 3];
 /// Vertices around a sleeve, as many as around an armhole.
 const SLEEVE_AROUND: usize = 2 * (HOLE[0] + HOLE[1]);
-/// Rings of a sleeve beyond the armhole, 5 cm apart; the first 9 cm from its middle, clear of the bulge of the torso.
+/// Rings of a sleeve beyond the armhole, 5 cm apart; the first 9 cm from its middle, clear of the
+/// bulge of the torso.
 const SLEEVE_RINGS: usize = 11;
 /// The elbow is so far from the shoulder (m).
 const UPPER_ARM_M: f32 = 0.3;
 
-/// A long-sleeved shirt of 456 vertices, 0.57 m high, with texture seams at the back, around the armholes and under the arms.
-/// Clip "bend": both arms are lifted by 40 degrees, bend to 100 degrees at the elbows (after one second), and sink by 40
-/// degrees, which crushes the armpits; two seconds.
+/// A long-sleeved shirt of 456 vertices, 0.57 m high, with texture seams at the back, around the
+/// armholes and under the arms. Clip "bend": both arms are lifted by 40 degrees, bend to 100
+/// degrees at the elbows (after one second), and sink by 40 degrees, which crushes the armpits; two
+/// seconds.
 pub fn shirt() -> Model {
     let (mut positions, mut uvs, mut faces) = (Vec::new(), Vec::new(), Vec::new());
     let inside = |row: usize, column: usize| {
-        (HOLE_ROW + 1..HOLE_ROW + HOLE[1]).contains(&row) && HOLE_COLUMNS.iter().any(|&c| (c + 1..c + HOLE[0]).contains(&column))
+        (HOLE_ROW + 1..HOLE_ROW + HOLE[1]).contains(&row)
+            && HOLE_COLUMNS.iter().any(|&c| (c + 1..c + HOLE[0]).contains(&column))
     };
     let cut = |row: usize, column: usize| {
-        (HOLE_ROW..HOLE_ROW + HOLE[1]).contains(&row) && HOLE_COLUMNS.iter().any(|&c| (c..c + HOLE[0]).contains(&column))
+        (HOLE_ROW..HOLE_ROW + HOLE[1]).contains(&row)
+            && HOLE_COLUMNS.iter().any(|&c| (c..c + HOLE[0]).contains(&column))
     };
     let torso = |row: usize, column: usize| {
-        let ([y, width, depth], angle) = (RINGS[row], 0.5 * PI + TAU * (column % AROUND) as f32 / AROUND as f32);
+        let ([y, width, depth], angle) =
+            (RINGS[row], 0.5 * PI + TAU * (column % AROUND) as f32 / AROUND as f32);
         Vec3::new(width * angle.cos(), y, -depth * angle.sin())
     };
     let mut number = vec![[0u32; AROUND + 1]; RINGS.len()];
@@ -53,25 +59,35 @@ pub fn shirt() -> Model {
                 number[row][column] = positions.len() as u32;
                 positions.push(torso(row, column));
                 let height = RINGS[row][0] / RINGS[RINGS.len() - 1][0];
-                uvs.push(Vec2::new(0.02 + 0.56 * column as f32 / AROUND as f32, 0.98 - 0.96 * height));
+                uvs.push(Vec2::new(
+                    0.02 + 0.56 * column as f32 / AROUND as f32,
+                    0.98 - 0.96 * height,
+                ));
             }
         }
     }
     for row in 0..RINGS.len() - 1 {
         for column in (0..AROUND).filter(|&column| !cut(row, column)) {
             let (low, high) = (&number[row], &number[row + 1]);
-            faces.extend(halves([low[column], high[column], high[column + 1], low[column + 1]], (row + column).is_multiple_of(2)));
+            faces.extend(halves(
+                [low[column], high[column], high[column + 1], low[column + 1]],
+                (row + column).is_multiple_of(2),
+            ));
         }
     }
     let arms = [1.0, -1.0].map(Arm::new);
     for (k, arm) in arms.iter().enumerate() {
         let first = positions.len() as u32;
-        let hole: Vec<Vec3> = armhole(HOLE_COLUMNS[k]).iter().map(|&[row, column]| torso(row, column)).collect();
+        let hole: Vec<Vec3> =
+            armhole(HOLE_COLUMNS[k]).iter().map(|&[row, column]| torso(row, column)).collect();
         for ring in 0..=SLEEVE_RINGS {
             for s in 0..=SLEEVE_AROUND {
                 positions.push(arm.sleeve(ring, s % SLEEVE_AROUND, &hole));
                 let along = ring as f32 / SLEEVE_RINGS as f32;
-                uvs.push(Vec2::new(0.62 + 0.19 * k as f32 + 0.17 * s as f32 / SLEEVE_AROUND as f32, 0.02 + 0.66 * along));
+                uvs.push(Vec2::new(
+                    0.62 + 0.19 * k as f32 + 0.17 * s as f32 / SLEEVE_AROUND as f32,
+                    0.02 + 0.66 * along,
+                ));
             }
         }
         let at = |ring: usize, s: usize| first + (ring * (SLEEVE_AROUND + 1) + s) as u32;
@@ -87,7 +103,8 @@ pub fn shirt() -> Model {
     model
 }
 
-/// Row and column of the vertices around the armhole that begins at `first` column, from the armpit on, clockwise from outside.
+/// Row and column of the vertices around the armhole that begins at `first` column, from the armpit
+/// on, clockwise from outside.
 fn armhole(first: usize) -> Vec<[usize; 2]> {
     let ([width, height], middle) = (HOLE, HOLE[0] / 2);
     let lower = (middle..width).map(|c| [0, c]);
@@ -95,7 +112,13 @@ fn armhole(first: usize) -> Vec<[usize; 2]> {
     let upper = (1..=width).rev().map(|c| [height, c]);
     let front = (1..=height).rev().map(|r| [r, 0]);
     let last = (0..middle).map(|c| [0, c]);
-    lower.chain(back).chain(upper).chain(front).chain(last).map(|[r, c]| [HOLE_ROW + r, first + c]).collect()
+    lower
+        .chain(back)
+        .chain(upper)
+        .chain(front)
+        .chain(last)
+        .map(|[r, c]| [HOLE_ROW + r, first + c])
+        .collect()
 }
 
 /// An arm in the rest pose, 5 degrees below the horizontal.
@@ -110,17 +133,24 @@ struct Arm {
 impl Arm {
     fn new(side: f32) -> Self {
         let (sin, cos) = 5f32.to_radians().sin_cos();
-        Self { side, shoulder: Vec3::new(side * 0.17, 0.43, 0.0), along: Vec3::new(side * cos, -sin, 0.0) }
+        Self {
+            side,
+            shoulder: Vec3::new(side * 0.17, 0.43, 0.0),
+            along: Vec3::new(side * cos, -sin, 0.0),
+        }
     }
 
-    /// Vertex `s` of sleeve ring `ring`; ring 0 is the armhole `hole`, ring 1 lies half way to the round cross-section.
+    /// Vertex `s` of sleeve ring `ring`; ring 0 is the armhole `hole`, ring 1 lies half way to the
+    /// round cross-section.
     fn sleeve(&self, ring: usize, s: usize, hole: &[Vec3]) -> Vec3 {
         if ring == 0 {
             return hole[s];
         }
-        let centre = hole.iter().sum::<Vec3>() / hole.len() as f32 + self.along * (0.04 + 0.05 * ring as f32);
+        let centre = hole.iter().sum::<Vec3>() / hole.len() as f32
+            + self.along * (0.04 + 0.05 * ring as f32);
         let radius = 0.078 - 0.028 * ring as f32 / SLEEVE_RINGS as f32;
-        let (up, back) = (Vec3::z().cross(&self.along) * self.side, Vec3::new(0.0, 0.0, -self.side));
+        let (up, back) =
+            (Vec3::z().cross(&self.along) * self.side, Vec3::new(0.0, 0.0, -self.side));
         let (sin, cos) = (TAU * s as f32 / SLEEVE_AROUND as f32).sin_cos();
         let round = centre + (back * sin - up * cos) * radius;
         if ring > 1 {
@@ -160,7 +190,12 @@ fn rig(model: &mut Model, arms: &[Arm; 2]) {
                 [axis.x * sin, axis.y * sin, axis.z * sin, cos]
             };
             let (target, values) = (Target::Rotation(node), times.iter().flat_map(key).collect());
-            channels.push(Channel { target, interpolation: Interpolation::Linear, times: times.clone(), values });
+            channels.push(Channel {
+                target,
+                interpolation: Interpolation::Linear,
+                times: times.clone(),
+                values,
+            });
         };
         turn(upper, Vec3::z() * arm.side, |t| 40.0 * (PI * t).sin());
         turn(upper + 1, arm.along.cross(&Vec3::z()), |t| 50.0 * (1.0 - (PI * t).cos()));

@@ -1,7 +1,9 @@
-//! The brush: where a ray meets the surface ([`mod@pick`]), how far along the surface everything is from there ([`reach`]), what a
-//! dab does to the layers ([`painting`]), and how pointer positions become dabs ([`trail`]).
+//! The brush: where a ray meets the surface ([`mod@pick`]), how far along the surface everything is
+//! from there ([`reach`]), what a dab does to the layers ([`painting`]), and how pointer positions
+//! become dabs ([`trail`]).
 //!
-//! Everything works on unified vertices, so that texture seams neither stop a stroke nor show in it. Knows no window.
+//! Everything works on unified vertices, so that texture seams neither stop a stroke nor show in
+//! it. Knows no window.
 
 pub mod painting;
 pub mod pick;

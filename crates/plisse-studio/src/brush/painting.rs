@@ -1,5 +1,6 @@
-//! What dabs do to a layer. One stroke goes no farther than its brush's strength, however often it passes over a vertex: each vertex
-//! keeps the largest weight any dab gave it, and the mean direction of all dabs, which has no sign.
+//! What dabs do to a layer. One stroke goes no farther than its brush's strength, however often it
+//! passes over a vertex: each vertex keeps the largest weight any dab gave it, and the mean
+//! direction of all dabs, which has no sign.
 
 use nalgebra::{Matrix3, Rotation3};
 use plisse::mesh::reach::Reach;
@@ -12,7 +13,8 @@ use crate::document::layers::LONGEST_BIAS;
 use crate::document::subject::bounds;
 use crate::document::{Action, Brush, Change, Heading, Layer, Layers, Mirror, Stroke};
 
-/// Farthest that a mirrored point may be from the surface, as a share of the model's size, for a dab to be there.
+/// Farthest that a mirrored point may be from the surface, as a share of the model's size, for a
+/// dab to be there.
 const MIRROR_TOLERANCE: f32 = 0.02;
 
 /// What is painted on.
@@ -27,7 +29,8 @@ pub struct Canvas<'a> {
 }
 
 impl Canvas<'_> {
-    /// `direction` (posed, along face `f`) in the rest pose, of any length; zero where the face has no area.
+    /// `direction` (posed, along face `f`) in the rest pose, of any length; zero where the face has
+    /// no area.
     pub fn to_rest(&self, f: usize, direction: &Vec3) -> Vec3 {
         let [a, b, c] = self.unified.faces[f].map(|v| v as usize);
         let (u, v) = (self.posed[b] - self.posed[a], self.posed[c] - self.posed[a]);
@@ -77,7 +80,14 @@ const NONE: u32 = u32::MAX;
 impl Painting {
     /// A stroke with `brush` on a model of `count` unified vertices, before its first dab.
     pub fn new(brush: Brush, count: usize) -> Self {
-        Self { brush, dabs: Vec::new(), slots: vec![NONE; count], reach: Reach::new(count), rest_box: None, touches: Vec::new() }
+        Self {
+            brush,
+            dabs: Vec::new(),
+            slots: vec![NONE; count],
+            reach: Reach::new(count),
+            rest_box: None,
+            touches: Vec::new(),
+        }
     }
 
     /// The brush.
@@ -85,8 +95,9 @@ impl Painting {
         &self.brush
     }
 
-    /// Puts a dab at `hit` of the posed mesh; [`Painting::write`] paints it. `course` (posed, any length) is the way the stroke goes there, or the way crests
-    /// shall run for [`Heading::Screen`].
+    /// Puts a dab at `hit` of the posed mesh; [`Painting::write`] paints it. `course` (posed, any
+    /// length) is the way the stroke goes there, or the way crests shall run for
+    /// [`Heading::Screen`].
     pub fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: &Vec3) {
         self.dabs.push((hit.face as u32, hit.weights));
         let course = canvas.to_rest(hit.face, course);
@@ -105,10 +116,14 @@ impl Painting {
         course[axis] = -course[axis];
         // Around the nearest vertex and its neighbours.
         let far = |v: &u32| (x[*v as usize] - place).norm_squared();
-        let Some(middle) = (0..x.len() as u32).min_by(|a, b| far(a).total_cmp(&far(b))) else { return };
+        let Some(middle) = (0..x.len() as u32).min_by(|a, b| far(a).total_cmp(&far(b))) else {
+            return;
+        };
         let ring = canvas.unified.around(middle as usize).iter().chain([&middle]);
         let some = ring.flat_map(|&v| canvas.surface.around(v).iter().copied());
-        if let Some(other) = nearest_among(x, faces, some, &place).filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm()) {
+        if let Some(other) = nearest_among(x, faces, some, &place)
+            .filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm())
+        {
             let posed = Hit::on(other.face, other.weights, canvas.posed, faces);
             self.spread(canvas, layers, &posed, course);
         }
@@ -121,11 +136,18 @@ impl Painting {
         let flat = course - normal * normal.dot(&course);
         let unit = flat.try_normalize(1e-20).unwrap_or_else(Vec3::zeros);
         // Wrinkles run in across their crests; a surface grows along the way it is told.
-        let across = (self.brush.layer == Layer::Wrinkles) == matches!(self.brush.heading, Heading::AlongStroke | Heading::Screen);
+        let across = (self.brush.layer == Layer::Wrinkles)
+            == matches!(self.brush.heading, Heading::AlongStroke | Heading::Screen);
         let direction = if across { normal.cross(&unit) } else { unit };
         let layer = self.brush.layer;
         let values = layers.of(layer);
-        for (v, distance_m) in canvas.surface.reach(&unified.faces, canvas.posed, hit, self.brush.radius_m, &mut self.reach) {
+        for (v, distance_m) in canvas.surface.reach(
+            &unified.faces,
+            canvas.posed,
+            hit,
+            self.brush.radius_m,
+            &mut self.reach,
+        ) {
             let weight = self.brush.falloff.weight(distance_m / self.brush.radius_m);
             if weight <= 0.0 {
                 continue;
@@ -134,12 +156,17 @@ impl Painting {
             if *slot == NONE {
                 *slot = self.touches.len() as u32;
                 let before = values[v as usize];
-                self.touches.push((v, Touch { before, weight: 0.0, directions: Matrix3::zeros(), is_new: true }));
+                self.touches.push((
+                    v,
+                    Touch { before, weight: 0.0, directions: Matrix3::zeros(), is_new: true },
+                ));
             }
             let touch = &mut self.touches[*slot as usize].1;
             let up = unified.vertices.normals[v as usize];
-            let there = Rotation3::rotation_between(&normal, &up).map_or(direction, |turn| turn * direction);
-            let there = (there - up * up.dot(&there)).try_normalize(1e-6).unwrap_or_else(Vec3::zeros);
+            let there = Rotation3::rotation_between(&normal, &up)
+                .map_or(direction, |turn| turn * direction);
+            let there =
+                (there - up * up.dot(&there)).try_normalize(1e-6).unwrap_or_else(Vec3::zeros);
             touch.weight = touch.weight.max(weight);
             touch.directions += there * there.transpose() * weight;
             touch.is_new = true;
@@ -151,7 +178,8 @@ impl Painting {
         let values = layers.of_mut(self.brush.layer);
         for (v, touch) in self.touches.iter_mut().filter(|(_, touch)| touch.is_new) {
             touch.is_new = false;
-            values[*v as usize] = painted(&self.brush, touch, &canvas.unified.vertices.normals[*v as usize]);
+            values[*v as usize] =
+                painted(&self.brush, touch, &canvas.unified.vertices.normals[*v as usize]);
         }
     }
 
@@ -160,9 +188,14 @@ impl Painting {
         let values = layers.of(self.brush.layer);
         let bits = |x: &[f32; 4]| x.map(f32::to_bits);
         let changed = self.touches.iter().map(|(v, touch)| (*v, touch.before, values[*v as usize]));
-        let mut vertices: Vec<_> = changed.filter(|(_, before, after)| bits(before) != bits(after)).collect();
+        let mut vertices: Vec<_> =
+            changed.filter(|(_, before, after)| bits(before) != bits(after)).collect();
         vertices.sort_unstable_by_key(|c| c.0);
-        Change { layer: self.brush.layer, stroke: Stroke { brush: self.brush, dabs: self.dabs }, vertices }
+        Change {
+            layer: self.brush.layer,
+            stroke: Stroke { brush: self.brush, dabs: self.dabs },
+            vertices,
+        }
     }
 }
 
@@ -183,24 +216,33 @@ fn painted(brush: &Brush, touch: &Touch, normal: &Vec3) -> [f32; 4] {
             // Lengths of wrinkles count squared: p shortens by |p|².
             let squared = brush.layer == Layer::Wrinkles;
             let weigh = |length: f32| if squared { length * length } else { length };
-            let of = |p: &Vec3| p.try_normalize(1e-20).map_or_else(Matrix3::zeros, |d| d * d.transpose() * weigh(p.norm()));
+            let of = |p: &Vec3| {
+                p.try_normalize(1e-20)
+                    .map_or_else(Matrix3::zeros, |d| d * d.transpose() * weigh(p.norm()))
+            };
             let wanted = match principal(&touch.directions, normal) {
                 Some((_, d)) if !erase => d * d.transpose() * weigh(brush.value),
                 _ => Matrix3::zeros(),
             };
-            let vector = principal(&(of(&old) * (1.0 - share) + wanted * share), normal).map_or_else(Vec3::zeros, |(most, d)| {
-                let length = if squared { most.max(0.0).sqrt().min(LONGEST_BIAS) } else { most.max(0.0) };
-                // Which of the two ways it points does not matter to anybody but the eye.
-                let d = if d.dot(&old) < 0.0 { -d } else { d };
-                d * length
-            });
+            let vector = principal(&(of(&old) * (1.0 - share) + wanted * share), normal)
+                .map_or_else(Vec3::zeros, |(most, d)| {
+                    let length = if squared {
+                        most.max(0.0).sqrt().min(LONGEST_BIAS)
+                    } else {
+                        most.max(0.0)
+                    };
+                    // Which of the two ways it points does not matter to anybody but the eye.
+                    let d = if d.dot(&old) < 0.0 { -d } else { d };
+                    d * length
+                });
             [vector.x, vector.y, vector.z, if erase { blend(0.0, 3) } else { before[3] }]
         }
         _ => [blend(if erase { neutral[0] } else { brush.value }, 0), 0.0, 0.0, 0.0],
     }
 }
 
-/// Largest eigenvalue of a symmetric matrix that is zero along `normal`, and its unit eigenvector; `None` for zero.
+/// Largest eigenvalue of a symmetric matrix that is zero along `normal`, and its unit eigenvector;
+/// `None` for zero.
 fn principal(m: &Matrix3<f32>, normal: &Vec3) -> Option<(f32, Vec3)> {
     let axis = if normal.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
     let t = normal.cross(&axis).try_normalize(1e-6)?;

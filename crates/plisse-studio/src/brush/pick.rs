@@ -13,11 +13,13 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// Through the point `at` of a picture, from (0, 0) at its upper left to (1, 1) at its lower right; `None` for a camera that sees nothing.
+    /// Through the point `at` of a picture, from (0, 0) at its upper left to (1, 1) at its lower
+    /// right; `None` for a camera that sees nothing.
     pub fn through(camera: &Camera, at: Vec2) -> Option<Self> {
         let world_from_clip = camera.clip_from_world().try_inverse()?;
         let place = |depth: f32| {
-            let h = world_from_clip * nalgebra::Vector4::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y, depth, 1.0);
+            let h = world_from_clip
+                * nalgebra::Vector4::new(2.0 * at.x - 1.0, 1.0 - 2.0 * at.y, depth, 1.0);
             h.xyz() / h.w
         };
         let far = place(1.0);
@@ -54,7 +56,12 @@ pub fn pick(positions: &[Vec3], faces: &[[u32; 3]], ray: &Ray) -> Option<Hit> {
 }
 
 /// As [`pick`], among `some` of the faces.
-pub fn pick_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator<Item = u32>, ray: &Ray) -> Option<Hit> {
+pub fn pick_among(
+    positions: &[Vec3],
+    faces: &[[u32; 3]],
+    some: impl Iterator<Item = u32>,
+    ray: &Ray,
+) -> Option<Hit> {
     let mut best: Option<Hit> = None;
     for f in some.map(|f| f as usize) {
         let [a, b, c] = faces[f].map(|v| positions[v as usize]);
@@ -71,17 +78,24 @@ pub fn pick_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator<It
         let distance_m = side_c.dot(&turned) / determinant;
         let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && distance_m > 0.0;
         if inside && best.is_none_or(|h| distance_m < h.distance_m) {
-            best = Some(Hit { face: f, weights: [s, t], position: ray.origin + ray.direction * distance_m, distance_m });
+            best = Some(Hit {
+                face: f,
+                weights: [s, t],
+                position: ray.origin + ray.direction * distance_m,
+                distance_m,
+            });
         }
     }
     best
 }
 
-/// The faces that a ray between two others from the same origin can meet: those that the plane of both cuts. All faces where the two
-/// are the same.
+/// The faces that a ray between two others from the same origin can meet: those that the plane of
+/// both cuts. All faces where the two are the same.
 pub fn between(positions: &[Vec3], faces: &[[u32; 3]], a: &Ray, b: &Ray) -> Vec<u32> {
     let all = 0..faces.len() as u32;
-    let Some(normal) = a.direction.cross(&b.direction).try_normalize(1e-7) else { return all.collect() };
+    let Some(normal) = a.direction.cross(&b.direction).try_normalize(1e-7) else {
+        return all.collect();
+    };
     let side: Vec<i8> = positions
         .iter()
         .map(|p| {
@@ -90,17 +104,25 @@ pub fn between(positions: &[Vec3], faces: &[[u32; 3]], a: &Ray, b: &Ray) -> Vec<
             i8::from(height > -slack) - i8::from(height < slack)
         })
         .collect();
-    let cut = |f: &u32| faces[*f as usize].map(|v| i32::from(side[v as usize])).iter().sum::<i32>().abs() < 3;
+    let cut = |f: &u32| {
+        faces[*f as usize].map(|v| i32::from(side[v as usize])).iter().sum::<i32>().abs() < 3
+    };
     all.filter(cut).collect()
 }
 
-/// The point of `faces` over `positions` that is nearest to `place`; `None` for a mesh without faces.
+/// The point of `faces` over `positions` that is nearest to `place`; `None` for a mesh without
+/// faces.
 pub fn nearest(positions: &[Vec3], faces: &[[u32; 3]], place: &Vec3) -> Option<Hit> {
     nearest_among(positions, faces, 0..faces.len() as u32, place)
 }
 
 /// As [`nearest`], among `some` of the faces.
-pub fn nearest_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator<Item = u32>, place: &Vec3) -> Option<Hit> {
+pub fn nearest_among(
+    positions: &[Vec3],
+    faces: &[[u32; 3]],
+    some: impl Iterator<Item = u32>,
+    place: &Vec3,
+) -> Option<Hit> {
     let mut best: Option<Hit> = None;
     for f in some.map(|f| f as usize) {
         let weights = nearest_in(faces[f].map(|v| positions[v as usize]), place);
@@ -113,7 +135,8 @@ pub fn nearest_among(positions: &[Vec3], faces: &[[u32; 3]], some: impl Iterator
     best
 }
 
-/// Barycentric coordinates (of the second and third corner) of the point of a triangle that is nearest to `p`.
+/// Barycentric coordinates (of the second and third corner) of the point of a triangle that is
+/// nearest to `p`.
 fn nearest_in([a, b, c]: [Vec3; 3], p: &Vec3) -> [f32; 2] {
     let (u, v, w) = (b - a, c - a, p - a);
     let (uu, uv, vv, wu, wv) = (u.dot(&u), u.dot(&v), v.dot(&v), w.dot(&u), w.dot(&v));

@@ -36,13 +36,26 @@ impl Surface {
         &self.list[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// Vertices closer to `from` than `radius_m` along `faces` over `positions`, with their distances (m), the nearest first; `room` is kept from
-    /// search to search.
-    pub fn reach(&self, faces: &[[u32; 3]], positions: &[Vec3], from: &Hit, radius_m: f32, room: &mut Reach) -> Vec<(u32, f32)> {
+    /// Vertices closer to `from` than `radius_m` along `faces` over `positions`, with their
+    /// distances (m), the nearest first; `room` is kept from search to search.
+    pub fn reach(
+        &self,
+        faces: &[[u32; 3]],
+        positions: &[Vec3],
+        from: &Hit,
+        radius_m: f32,
+        room: &mut Reach,
+    ) -> Vec<(u32, f32)> {
         let face = |f: u32| faces[f as usize].map(|v| v as usize);
         let around = |v: usize| self.around(v as u32).iter().map(|&f| face(f));
         let wide = |p: &Vec3| Wide::new(f64::from(p.x), f64::from(p.y), f64::from(p.z));
-        let found = room.from(face(from.face as u32), &wide(&from.position), around, |v| wide(&positions[v]), f64::from(radius_m));
+        let found = room.from(
+            face(from.face as u32),
+            &wide(&from.position),
+            around,
+            |v| wide(&positions[v]),
+            f64::from(radius_m),
+        );
         found.into_iter().map(|(v, distance_m)| (v as u32, distance_m as f32)).collect()
     }
 }
@@ -62,7 +75,8 @@ mod tests {
         for place in [Vec3::new(0.31, 0.42, 0.0), Vec3::new(0.02, 0.97, 0.0), x[5]] {
             let from = nearest(x, faces, &place).unwrap();
             let found = surface.reach(faces, x, &from, 0.4, &mut Reach::new(x.len()));
-            let within = (0..x.len()).filter(|&v| (x[v] - from.position).norm() < 0.4 - 1e-3).count();
+            let within =
+                (0..x.len()).filter(|&v| (x[v] - from.position).norm() < 0.4 - 1e-3).count();
             assert!(found.len() >= within && within > 10, "{} of {within}", found.len());
             for (v, d) in found {
                 let straight = (x[v as usize] - from.position).norm();
@@ -78,11 +92,24 @@ mod tests {
         let surface = Surface::new(faces, unified.count());
         let from = nearest(x, faces, &Vec3::new(0.3, 0.06, 0.0)).unwrap();
         let found = surface.reach(faces, x, &from, 0.3, &mut Reach::new(x.len()));
-        // The far side lies π·6 cm away, 12 cm through the air; the mesh has 20 sides, which shortens by 0.4 %.
-        let far = found.iter().filter(|(v, _)| (x[*v as usize] - Vec3::new(0.3, -0.06, 0.0)).norm() < 1e-3).map(|f| f.1).next().unwrap();
+        // The far side lies π·6 cm away, 12 cm through the air; the mesh has 20 sides, which
+        // shortens by 0.4 %.
+        let far = found
+            .iter()
+            .filter(|(v, _)| (x[*v as usize] - Vec3::new(0.3, -0.06, 0.0)).norm() < 1e-3)
+            .map(|f| f.1)
+            .next()
+            .unwrap();
         assert!((far - std::f32::consts::PI * 0.06).abs() < 0.03 * far, "{far}");
         // The texture seam at +y lies beside the start: both of its sides are found alike.
-        let beside = |z: f32| found.iter().filter(|(v, _)| (x[*v as usize].x - 0.3).abs() < 1e-4 && x[*v as usize].z * z > 1e-3).count();
+        let beside = |z: f32| {
+            found
+                .iter()
+                .filter(|(v, _)| {
+                    (x[*v as usize].x - 0.3).abs() < 1e-4 && x[*v as usize].z * z > 1e-3
+                })
+                .count()
+        };
         assert_eq!(beside(1.0), beside(-1.0));
     }
 }

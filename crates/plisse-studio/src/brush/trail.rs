@@ -1,5 +1,6 @@
-//! From pointer positions to dabs: points are filled in between, so that a quick stroke is as whole as a slow one. Dabs wait to be painted
-//! until there is time for them, so that wide brushes on large meshes do not hold up the window.
+//! From pointer positions to dabs: points are filled in between, so that a quick stroke is as whole
+//! as a slow one. Dabs wait to be painted until there is time for them, so that wide brushes on
+//! large meshes do not hold up the window.
 
 use std::collections::VecDeque;
 
@@ -35,7 +36,14 @@ impl Trail {
     pub fn begin(brush: Brush, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Self {
         let painting = Painting::new(brush, canvas.unified.count());
         let hit = meet(canvas, camera, pointer);
-        Self { painting, pointer, last: hit.map(|h| (h, true)), course: None, since_m: 0.0, waiting: VecDeque::new() }
+        Self {
+            painting,
+            pointer,
+            last: hit.map(|h| (h, true)),
+            course: None,
+            since_m: 0.0,
+            waiting: VecDeque::new(),
+        }
     }
 
     /// Goes on to `pointer`; [`Trail::paint`] paints what is on the way.
@@ -61,7 +69,9 @@ impl Trail {
             let hit = if part == parts {
                 target
             } else {
-                Ray::through(camera, at).and_then(|ray| pick_among(canvas.posed, &canvas.unified.faces, some.iter().copied(), &ray))
+                Ray::through(camera, at).and_then(|ray| {
+                    pick_among(canvas.posed, &canvas.unified.faces, some.iter().copied(), &ray)
+                })
             };
             self.reach(camera, hit, spacing_m);
         }
@@ -73,7 +83,12 @@ impl Trail {
     }
 
     /// Paints dabs that wait, the first of them and then as long as there is `more` time.
-    pub fn paint(&mut self, canvas: &Canvas<'_>, layers: &mut Layers, more: &mut dyn FnMut() -> bool) {
+    pub fn paint(
+        &mut self,
+        canvas: &Canvas<'_>,
+        layers: &mut Layers,
+        more: &mut dyn FnMut() -> bool,
+    ) {
         while let Some((hit, course)) = self.waiting.pop_front() {
             self.painting.dab(canvas, layers, &hit, &course);
             if !more() {
@@ -111,7 +126,8 @@ impl Trail {
         self.last = Some((hit, false));
     }
 
-    /// A point that still waits for a direction is painted with the last one, or the screen's right.
+    /// A point that still waits for a direction is painted with the last one, or the screen's
+    /// right.
     fn flush(&mut self, camera: &Camera) {
         if let Some((hit, true)) = self.last {
             self.dab(camera, &hit);

@@ -1,4 +1,5 @@
-//! Undo and redo without limit: each entry holds the exact bits of what it changed, before and after.
+//! Undo and redo without limit: each entry holds the exact bits of what it changed, before and
+//! after.
 
 use super::layers::{Layer, Layers};
 use super::stroke::Stroke;
@@ -39,7 +40,8 @@ impl History {
         self.done += 1;
     }
 
-    /// Takes the last change back, to the bit; the layer that changed, or `None` if there is nothing to undo.
+    /// Takes the last change back, to the bit; the layer that changed, or `None` if there is
+    /// nothing to undo.
     pub fn undo(&mut self, layers: &mut Layers) -> Option<Layer> {
         let change = self.changes.get(self.done.checked_sub(1)?)?;
         change.write(layers, false);

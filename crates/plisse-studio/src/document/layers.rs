@@ -10,23 +10,26 @@ pub const LONGEST_BIAS: f32 = 0.95;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layer {
-    /// Wrinkles of the rest pose: the bias p of section 7 of [Loviscach 2006], a tangential vector (x, y, z, no unit) of the rest
-    /// pose, shorter than 1; the surface counts as shortened by |p|² along it. The fourth is 0.
+    /// Wrinkles of the rest pose: the bias p of section 7 of [Loviscach 2006], a tangential vector
+    /// (x, y, z, no unit) of the rest pose, shorter than 1; the surface counts as shortened by |p|²
+    /// along it. The fourth is 0.
     Wrinkles,
     /// Share (0.05 to 1) of the model's wavelength. Others are 0.
     Wavelength,
-    /// Expansion: a tangential vector of the rest pose whose length is by how much the surface grows along it (factor − 1), and, as
-    /// the fourth, by how much it grows all ways (factor − 1).
+    /// Expansion: a tangential vector of the rest pose whose length is by how much the surface
+    /// grows along it (factor − 1), and, as the fourth, by how much it grows all ways (factor − 1).
     Expansion,
     /// Coherence length Λ (m): how far crests run straight. Others are 0.
     Coherence,
-    /// Share (0 to 1) to which the vertex is frozen: from one half on it does not move. Others are 0.
+    /// Share (0 to 1) to which the vertex is frozen: from one half on it does not move. Others are
+    /// 0.
     Freeze,
 }
 
 impl Layer {
     /// All, in the order in which they are kept.
-    pub const ALL: [Self; 5] = [Self::Wrinkles, Self::Wavelength, Self::Expansion, Self::Coherence, Self::Freeze];
+    pub const ALL: [Self; 5] =
+        [Self::Wrinkles, Self::Wavelength, Self::Expansion, Self::Coherence, Self::Freeze];
 
     /// Its name for people.
     pub fn name(self) -> &'static str {
@@ -97,15 +100,19 @@ impl Layers {
         self.of(Layer::Wrinkles).iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect()
     }
 
-    /// Wavelengths as the stages take them: one for all where nothing is painted, else `[U]` (m, rest). `shares` (`[U]`, or empty) are
-    /// those that the model brings itself.
+    /// Wavelengths as the stages take them: one for all where nothing is painted, else `[U]` (m,
+    /// rest). `shares` (`[U]`, or empty) are those that the model brings itself.
     pub fn wavelength_m(&self, wavelength_m: f32, own_m: &[f32]) -> Vec<f32> {
         let painted = self.is_painted(Layer::Wavelength);
         if !painted && own_m.len() <= 1 {
             return vec![wavelength_m];
         }
         let own = |v: usize| own_m.get(v).copied().unwrap_or(wavelength_m);
-        self.of(Layer::Wavelength).iter().enumerate().map(|(v, x)| own(v) * x[0].clamp(LEAST_SHARE, 1.0)).collect()
+        self.of(Layer::Wavelength)
+            .iter()
+            .enumerate()
+            .map(|(v, x)| own(v) * x[0].clamp(LEAST_SHARE, 1.0))
+            .collect()
     }
 }
 

@@ -1,8 +1,9 @@
 //! Painted layers as images in the model's texture space.
 //!
-//! A layer with one number becomes grey, 16 bits: its least value black, its most white ([`Layer::range`]). Wrinkles and expansion
-//! become red, green, blue: the direction (½ + ½·x for each component of the rest pose) and alpha: the amount. Texels
-//! beside islands take the nearest island's numbers.
+//! A layer with one number becomes grey, 16 bits: its least value black, its most white
+//! ([`Layer::range`]). Wrinkles and expansion become red, green, blue: the direction (½ + ½·x for
+//! each component of the rest pose) and alpha: the amount. Texels beside islands take the nearest
+//! island's numbers.
 
 use std::io::{self, Write};
 
@@ -29,8 +30,12 @@ pub struct PaintMap {
 /// [`Error::Value`] for a model without texture coordinates.
 pub fn paint_map(document: &Document, layer: Layer, size: usize) -> Result<PaintMap> {
     let subject: &Subject = &document.subject;
-    plisse_live::bake::check(&subject.model)
-        .map_err(|_| Error::value(&subject.model.name, "it has no texture coordinates to paint maps into; unwrap it and open it again"))?;
+    plisse_live::bake::check(&subject.model).map_err(|_| {
+        Error::value(
+            &subject.model.name,
+            "it has no texture coordinates to paint maps into; unwrap it and open it again",
+        )
+    })?;
     let (values, model) = (document.layers.of(layer), &subject.model);
     let mut texels = vec![None; size * size];
     for (face, unified) in model.faces.iter().zip(&subject.unified.faces) {
@@ -48,12 +53,19 @@ pub fn paint_map(document: &Document, layer: Layer, size: usize) -> Result<Paint
         for y in span(1) {
             for x in span(0) {
                 let p = plisse_live::Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-                let weights = [(b - p).perp(&(c - p)) / twice, (c - p).perp(&(a - p)) / twice, (a - p).perp(&(b - p)) / twice];
+                let weights = [
+                    (b - p).perp(&(c - p)) / twice,
+                    (c - p).perp(&(a - p)) / twice,
+                    (a - p).perp(&(b - p)) / twice,
+                ];
                 if weights.iter().any(|&w| w < 0.0) {
                     continue;
                 }
-                let at = y.rem_euclid(size as i64) as usize * size + x.rem_euclid(size as i64) as usize;
-                let blend = |k: usize| (0..3).map(|c| weights[c] * values[unified[c] as usize][k]).sum::<f32>();
+                let at =
+                    y.rem_euclid(size as i64) as usize * size + x.rem_euclid(size as i64) as usize;
+                let blend = |k: usize| {
+                    (0..3).map(|c| weights[c] * values[unified[c] as usize][k]).sum::<f32>()
+                };
                 texels[at] = Some([blend(0), blend(1), blend(2), blend(3)]);
             }
         }
@@ -89,15 +101,23 @@ pub fn write_png<W: Write + ?Sized>(out: &mut W, layer: Layer, map: &PaintMap) -
     for texel in &map.texels {
         let numbers = texel.unwrap_or(layer.neutral());
         if layer.is_directed() {
-            let length = (numbers[0].powi(2) + numbers[1].powi(2) + numbers[2].powi(2)).sqrt().max(1e-12);
+            let length =
+                (numbers[0].powi(2) + numbers[1].powi(2) + numbers[2].powi(2)).sqrt().max(1e-12);
             for x in &numbers[..3] {
-                data.extend((((0.5 + 0.5 * x / length).clamp(0.0, 1.0) * 65535.0 + 0.5) as u16).to_be_bytes());
+                data.extend(
+                    (((0.5 + 0.5 * x / length).clamp(0.0, 1.0) * 65535.0 + 0.5) as u16)
+                        .to_be_bytes(),
+                );
             }
         }
         data.extend(share(amount(layer, &numbers)).to_be_bytes());
     }
     let mut encoder = png::Encoder::new(out, map.size as u32, map.size as u32);
-    encoder.set_color(if layer.is_directed() { png::ColorType::Rgba } else { png::ColorType::Grayscale });
+    encoder.set_color(if layer.is_directed() {
+        png::ColorType::Rgba
+    } else {
+        png::ColorType::Grayscale
+    });
     encoder.set_depth(png::BitDepth::Sixteen);
     encoder.write_header()?.write_image_data(&data)?;
     Ok(())

@@ -1,6 +1,8 @@
-//! What is worked on: the model, what is painted on it, how its wrinkles are made, and everything that was done to it.
+//! What is worked on: the model, what is painted on it, how its wrinkles are made, and everything
+//! that was done to it.
 //!
-//! Knows no window, no GPU and no file system: files come and go as bytes, so that all of it also runs in a web page.
+//! Knows no window, no GPU and no file system: files come and go as bytes, so that all of it also
+//! runs in a web page.
 
 pub mod history;
 pub mod layers;
@@ -41,10 +43,17 @@ impl Document {
     pub fn new(subject: Subject) -> Self {
         let layers = Layers::neutral(subject.unified.count());
         let settings = Settings::for_subject(&subject);
-        Self { subject: Arc::new(subject), layers, history: History::default(), settings, revision: 0 }
+        Self {
+            subject: Arc::new(subject),
+            layers,
+            history: History::default(),
+            settings,
+            revision: 0,
+        }
     }
 
-    /// Takes a change that is in the layers already into the history; one that changed nothing is left out.
+    /// Takes a change that is in the layers already into the history; one that changed nothing is
+    /// left out.
     pub fn push(&mut self, change: Change) {
         if !change.vertices.is_empty() {
             self.history.push(change);

@@ -74,7 +74,9 @@ impl Draft {
 
 /// A scene's `text` with `edit`.
 fn changed(text: &str, edit: &Edit) -> Result<String> {
-    let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
+    let bad = |e: &dyn std::fmt::Display| {
+        Error::value("scene", format!("its text is no TOML ({e}); correct it"))
+    };
     let mut document: DocumentMut = text.parse().map_err(|e| bad(&e))?;
     match edit {
         Edit::Material { young_pa, poisson, thickness_m, density_kg_m3 } => {
@@ -118,8 +120,12 @@ fn set(table: &mut Item, key: &str, number: f64) {
 
 fn clamp(document: &mut DocumentMut, number: usize) -> Option<&mut dyn toml_edit::TableLike> {
     match document.get_mut("clamp")? {
-        Item::ArrayOfTables(list) => list.get_mut(number).map(|t| t as &mut dyn toml_edit::TableLike),
-        Item::Value(Value::Array(list)) => list.get_mut(number)?.as_inline_table_mut().map(|t| t as &mut dyn toml_edit::TableLike),
+        Item::ArrayOfTables(list) => {
+            list.get_mut(number).map(|t| t as &mut dyn toml_edit::TableLike)
+        }
+        Item::Value(Value::Array(list)) => {
+            list.get_mut(number)?.as_inline_table_mut().map(|t| t as &mut dyn toml_edit::TableLike)
+        }
         _ => None,
     }
 }
@@ -145,8 +151,12 @@ mod tests {
         let number = 0.1 + 0.2;
         let found = found.with(&Edit::ClampTurn(1, number)).unwrap();
         assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg.to_bits(), number.to_bits());
-        let bad = Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };
+        let bad =
+            Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };
         assert!(found.with(&bad).unwrap_err().to_string().contains("young"));
-        assert_eq!(found.build().unwrap().built.material.young_pa, crate::fabrics::FABRICS[0].young_pa);
+        assert_eq!(
+            found.build().unwrap().built.material.young_pa,
+            crate::fabrics::FABRICS[0].young_pa
+        );
     }
 }

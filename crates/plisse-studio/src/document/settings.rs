@@ -86,7 +86,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What suits `subject`: a wavelength of its size, its first clip, at a time at which its own models wrinkle.
+    /// What suits `subject`: a wavelength of its size, its first clip, at a time at which its own
+    /// models wrinkle.
     pub fn for_subject(subject: &Subject) -> Self {
         let (wavelength_m, time_s) = match subject.model.name.as_str() {
             "square" => (0.08, 2.2),
@@ -103,14 +104,21 @@ impl Settings {
 
     /// Keeps every number where the stages can use it: what a file or a field brings in.
     pub fn clamp(&mut self) {
-        let sane = |x: f32, low: f32, high: f32, other: f32| if x.is_finite() { x.clamp(low, high) } else { other };
+        let sane = |x: f32, low: f32, high: f32, other: f32| {
+            if x.is_finite() { x.clamp(low, high) } else { other }
+        };
         self.wavelength_m = sane(self.wavelength_m, 1e-5, 1e4, 0.05);
         self.rate = sane(self.rate, 0.0, 0.5, 0.25);
         self.time_s = sane(self.time_s, 0.0, 3600.0, 0.0);
         self.speed = sane(self.speed, 0.0, 4.0, 1.0);
         self.rounds = self.rounds.min(200);
-        self.fold_spacing_m = if self.fold_spacing_m.is_finite() { self.fold_spacing_m.clamp(1e-5, 1e4) } else { 0.1 };
-        self.coherence_m = if self.coherence_m.is_finite() { self.coherence_m.clamp(0.0, 1e4) } else { 0.0 };
+        self.fold_spacing_m = if self.fold_spacing_m.is_finite() {
+            self.fold_spacing_m.clamp(1e-5, 1e4)
+        } else {
+            0.1
+        };
+        self.coherence_m =
+            if self.coherence_m.is_finite() { self.coherence_m.clamp(0.0, 1e4) } else { 0.0 };
     }
 
     /// The paper's ε of the step that is set.
@@ -118,7 +126,8 @@ impl Settings {
         2.0 * std::f32::consts::PI.powi(2) * self.rate
     }
 
-    /// Strength below which wrinkles count as invisible, for those who read out what the stages hold.
+    /// Strength below which wrinkles count as invisible, for those who read out what the stages
+    /// hold.
     pub fn visible() -> f32 {
         relax::VISIBLE
     }
@@ -128,7 +137,9 @@ fn mean_edge_m(subject: &Subject) -> f32 {
     let (unified, mut sum, mut count) = (&subject.unified, 0.0f64, 0usize);
     for v in 0..unified.count() {
         for &n in unified.around(v) {
-            sum += f64::from((unified.vertices.positions[n as usize] - unified.vertices.positions[v]).norm());
+            sum += f64::from(
+                (unified.vertices.positions[n as usize] - unified.vertices.positions[v]).norm(),
+            );
             count += 1;
         }
     }

@@ -1,4 +1,5 @@
-//! What a document is about: a model with its unified vertices, made here or read from a file, perhaps of a scene.
+//! What a document is about: a model with its unified vertices, made here or read from a file,
+//! perhaps of a scene.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,7 +27,9 @@ impl Source {
     pub fn stem(&self) -> String {
         match self {
             Self::Own(name) => name.clone(),
-            Self::File(path) => path.file_stem().map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned()),
+            Self::File(path) => path
+                .file_stem()
+                .map_or_else(|| "model".into(), |s| s.to_string_lossy().into_owned()),
         }
     }
 }
@@ -139,11 +142,17 @@ pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
     plisse::mesh::Vec3::new(f64::from(p.x), -f64::from(p.z), f64::from(p.y))
 }
 
-/// The start of a scene as a model. Its vertices are the scene's, one by one: panels that lie on each other stay apart.
+/// The start of a scene as a model. Its vertices are the scene's, one by one: panels that lie on
+/// each other stay apart.
 fn laid(built: &Built) -> (Model, Unified) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> = built.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
-    let mut model = Model::rigid(&built.title, positions.clone(), vec![Vec2::zeros(); positions.len()], faces.clone());
+    let mut model = Model::rigid(
+        &built.title,
+        positions.clone(),
+        vec![Vec2::zeros(); positions.len()],
+        faces.clone(),
+    );
     model.draw.normals = vertex_normals(&positions, &faces);
     let unified = one_to_one(&model);
     (model, unified)

@@ -1,5 +1,5 @@
-//! Files in: models (GLB, glTF, OBJ, PLY), scenes (TOML), and documents (`NAME.plisse.json`). What comes out is a whole
-//! document or one sentence; nothing half-read ever replaces what is open.
+//! Files in: models (GLB, glTF, OBJ, PLY), scenes (TOML), and documents (`NAME.plisse.json`). What
+//! comes out is a whole document or one sentence; nothing half-read ever replaces what is open.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,8 @@ pub fn open(path: &Path) -> Result<Document> {
     Ok(Document::new(subject(path)?))
 }
 
-/// The file to open of several that came together: a document, else a scene, else a model; none of other kinds.
+/// The file to open of several that came together: a document, else a scene, else a model; none of
+/// other kinds.
 pub fn first(paths: &[PathBuf]) -> Option<&Path> {
     let is = |path: &PathBuf, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
     let ends = [DOCUMENT_END, ".toml", ".glb", ".gltf", ".obj", ".ply"];
@@ -38,7 +39,8 @@ pub fn first(paths: &[PathBuf]) -> Option<&Path> {
 /// # Errors
 /// As [`open`].
 pub fn subject(path: &Path) -> Result<Subject> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let extension =
+        path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let source = Source::File(path.to_path_buf());
     match extension.as_str() {
         "glb" | "gltf" => Ok(Subject::new(source, gltf_in::read(path)?)),
@@ -52,9 +54,13 @@ pub fn subject(path: &Path) -> Result<Subject> {
             let read = ply_mesh::read(path)?;
             Ok(Subject::new(source, from_ply(&name(path), &read)))
         }
-        "toml" => Subject::scene(path.to_path_buf(), plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?),
+        "toml" => Subject::scene(
+            path.to_path_buf(),
+            plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?,
+        ),
         _ => {
-            let message = "this kind of file is not known; open .glb, .gltf, .obj, .ply, a scene .toml or a .plisse.json";
+            let message = "this kind of file is not known; open .glb, .gltf, .obj, .ply, a scene \
+                .toml or a .plisse.json";
             Err(Error::value(path.display().to_string(), message))
         }
     }
@@ -66,7 +72,13 @@ fn name(path: &Path) -> String {
 
 /// Vertices of an OBJ file split where its texture coordinates are.
 fn from_obj(name: &str, read: &obj::Obj) -> Model {
-    let place = |v: usize| Vec3::new(read.positions[v].x as f32, read.positions[v].y as f32, read.positions[v].z as f32);
+    let place = |v: usize| {
+        Vec3::new(
+            read.positions[v].x as f32,
+            read.positions[v].y as f32,
+            read.positions[v].z as f32,
+        )
+    };
     let mut numbers = std::collections::BTreeMap::new();
     let (mut positions, mut uvs, mut faces) = (Vec::new(), Vec::new(), Vec::new());
     for (f, face) in read.faces.iter().enumerate() {
@@ -90,8 +102,14 @@ fn from_obj(name: &str, read: &obj::Obj) -> Model {
 fn from_ply(name: &str, read: &ply_mesh::PlyMesh) -> Model {
     let positions = read.positions.iter().map(|p| p.map(|x| x as f32)).collect();
     // PLY's v points up.
-    let uvs = read.texture.iter().flatten().map(|uv| Vec2::new(uv.x as f32, 1.0 - uv.y as f32)).collect();
-    Model::rigid(name, positions, uvs, read.faces.iter().map(|face| face.map(|v| v as u32)).collect())
+    let uvs =
+        read.texture.iter().flatten().map(|uv| Vec2::new(uv.x as f32, 1.0 - uv.y as f32)).collect();
+    Model::rigid(
+        name,
+        positions,
+        uvs,
+        read.faces.iter().map(|face| face.map(|v| v as u32)).collect(),
+    )
 }
 
 /// The document saved in `path`, with its model from beside it.
@@ -115,7 +133,9 @@ pub fn restore(place: &str, text: &str, folder: &Path) -> Result<Document> {
                 None => subject(&file)?,
             }
         }
-        (None, None) => return Err(Error::value(place, "it names no model; give model.own or model.file")),
+        (None, None) => {
+            return Err(Error::value(place, "it names no model; give model.own or model.file"));
+        }
     };
     let layers = saved.layers(place, subject.unified.count(), subject.model.faces.len())?;
     let mut document = Document::new(subject);
@@ -164,9 +184,15 @@ mod tests {
 
     #[test]
     fn of_files_that_come_together_the_one_that_names_the_others_is_opened() {
-        let first_of = |names: &[&str]| first(&names.iter().map(PathBuf::from).collect::<Vec<_>>()).map(|p| p.display().to_string());
+        let first_of = |names: &[&str]| {
+            first(&names.iter().map(PathBuf::from).collect::<Vec<_>>())
+                .map(|p| p.display().to_string())
+        };
         assert_eq!(first_of(&["a.obj", "s.toml", "b.obj"]).as_deref(), Some("s.toml"));
-        assert_eq!(first_of(&["s.toml", "a.obj", "X.PLISSE.JSON"]).as_deref(), Some("X.PLISSE.JSON"));
+        assert_eq!(
+            first_of(&["s.toml", "a.obj", "X.PLISSE.JSON"]).as_deref(),
+            Some("X.PLISSE.JSON")
+        );
         assert_eq!(first_of(&["a.bin", "m.gltf"]).as_deref(), Some("m.gltf"));
         assert_eq!(first_of(&["a.bin", "t.png", "bias.json"]), None);
     }

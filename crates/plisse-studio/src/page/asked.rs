@@ -28,7 +28,10 @@ impl Asked {
                 ("graphics", "webgpu") => asked.webgl = false,
                 _ => {
                     let mend = "give file=, script=, graphics=webgl or graphics=webgpu";
-                    return Err(Error::value("page address", format!("\"{name}={value}\" means nothing; {mend}")));
+                    return Err(Error::value(
+                        "page address",
+                        format!("\"{name}={value}\" means nothing; {mend}"),
+                    ));
                 }
             }
         }
@@ -47,8 +50,21 @@ mod tests {
     #[test]
     fn the_address_says_what_is_opened_and_run() {
         assert_eq!(asked(&[]).unwrap(), Asked::default());
-        let all = asked(&[("file", "a.toml"), ("file", "b.obj"), ("script", "s.txt"), ("graphics", "webgl")]).unwrap();
-        assert_eq!(all, Asked { files: vec!["a.toml".into(), "b.obj".into()], script: Some("s.txt".into()), webgl: true });
+        let all = asked(&[
+            ("file", "a.toml"),
+            ("file", "b.obj"),
+            ("script", "s.txt"),
+            ("graphics", "webgl"),
+        ])
+        .unwrap();
+        assert_eq!(
+            all,
+            Asked {
+                files: vec!["a.toml".into(), "b.obj".into()],
+                script: Some("s.txt".into()),
+                webgl: true
+            }
+        );
         assert!(!asked(&[("graphics", "webgpu")]).unwrap().webgl);
         for wrong in [("fiel", "a.obj"), ("graphics", "paper")] {
             let told = asked(&[wrong]).unwrap_err().to_string();

@@ -1,5 +1,6 @@
-//! The program in a web page (`web/index.html`): files are in memory ([`plisse::io::disk`]), what is written is handed to the browser as
-//! downloads, autosaves go to its local storage. The page's own script does what only scripts can.
+//! The program in a web page (`web/index.html`): files are in memory ([`plisse::io::disk`]), what
+//! is written is handed to the browser as downloads, autosaves go to its local storage. The page's
+//! own script does what only scripts can.
 
 pub mod asked;
 

@@ -44,7 +44,8 @@ async fn call_and_wait(name: &str, arguments: &[&JsValue]) -> Result<JsValue, Js
     JsFuture::from(call(name, arguments)?.dyn_into::<Promise>()?).await
 }
 
-/// Tells the page how the program is: "running" (what draws), "done" (with its script), "failed" (why).
+/// Tells the page how the program is: "running" (what draws), "done" (with its script), "failed"
+/// (why).
 fn tell(state: &str, text: &str) {
     // A page without this function has nobody who listens.
     let _ = call("tell", &[&state.into(), &text.into()]);
@@ -74,7 +75,8 @@ async fn run() -> Result<(), JsValue> {
         let pair: Array = pair.into();
         (text_of(&pair.get(0)), text_of(&pair.get(1)))
     };
-    let asked = Asked::from_pairs(Array::from(&call("asked", &[])?).iter().map(pair)).map_err(told)?;
+    let asked =
+        Asked::from_pairs(Array::from(&call("asked", &[])?).iter().map(pair)).map_err(told)?;
     for file in &asked.files {
         let bytes = Uint8Array::new(&call_and_wait("load", &[&file.into()]).await?).to_vec();
         disk::store().put(Path::new(file), bytes);
@@ -88,24 +90,38 @@ async fn run() -> Result<(), JsValue> {
         disk::store().put(Path::new(LEFT), left.into_bytes());
     }
     let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
-    setup.instance_descriptor.backends = if asked.webgl { wgpu::Backends::GL } else { wgpu::Backends::BROWSER_WEBGPU | wgpu::Backends::GL };
+    setup.instance_descriptor.backends = if asked.webgl {
+        wgpu::Backends::GL
+    } else {
+        wgpu::Backends::BROWSER_WEBGPU | wgpu::Backends::GL
+    };
     let mut options = eframe::WebOptions::default();
     options.wgpu_options.wgpu_setup = setup.into();
     let canvas: web_sys::HtmlCanvasElement = call("canvas", &[])?.dyn_into()?;
-    let create = move |context: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
-        Ok(Box::new(window(context, driver, &asked)?))
-    };
+    let create = move |context: &eframe::CreationContext<'_>| -> Result<
+        Box<dyn eframe::App>,
+        Box<dyn std::error::Error + Send + Sync>,
+    > { Ok(Box::new(window(context, driver, &asked)?)) };
     eframe::WebRunner::new().start(canvas, options, Box::new(create)).await
 }
 
-fn window(context: &eframe::CreationContext<'_>, driver: Option<Driver>, asked: &Asked) -> plisse::Result<Window> {
+fn window(
+    context: &eframe::CreationContext<'_>,
+    driver: Option<Driver>,
+    asked: &Asked,
+) -> plisse::Result<Window> {
     context.egui_ctx.set_theme(egui::Theme::Light);
     ARRIVED.with_borrow_mut(|arrived| arrived.1 = Some(context.egui_ctx.clone()));
     let (graphics, name) = graphics(context);
     let keep = driver.is_none().then(|| PathBuf::from(AUTOSAVES));
     let ctx = context.egui_ctx.clone();
-    let mut studio = Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
-    studio.messages.note(format!("drawn by {}{}", name.split(':').next().unwrap_or_default(), why(&name, asked)));
+    let mut studio =
+        Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
+    studio.messages.note(format!(
+        "drawn by {}{}",
+        name.split(':').next().unwrap_or_default(),
+        why(&name, asked)
+    ));
     if let Some(file) = asked.files.first() {
         studio.open(Path::new(file));
     }
@@ -126,7 +142,9 @@ fn why(name: &str, asked: &Asked) -> &'static str {
 
 /// The page's adapter, and its name.
 fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
-    let Some(state) = context.wgpu_render_state.clone() else { return (Graphics::Processor, "the processor".into()) };
+    let Some(state) = context.wgpu_render_state.clone() else {
+        return (Graphics::Processor, "the processor".into());
+    };
     let info = state.adapter.get_info();
     let api = if info.backend == wgpu::Backend::Gl { "WebGL 2" } else { "WebGPU" };
     let whole = if info.name.is_empty() { api.to_owned() } else { format!("{api}: {}", info.name) };
@@ -138,7 +156,12 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
         let mut renderer = renderer.write();
         match there {
             Some(id) => {
-                renderer.update_egui_texture_from_wgpu_texture(&device, view, wgpu::FilterMode::Linear, id);
+                renderer.update_egui_texture_from_wgpu_texture(
+                    &device,
+                    view,
+                    wgpu::FilterMode::Linear,
+                    id,
+                );
                 id
             }
             None => renderer.register_native_texture(&device, view, wgpu::FilterMode::Linear),
@@ -147,7 +170,8 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     (Graphics::Window(gpu, hang), whole)
 }
 
-/// What the page does after each frame: files come and go. `was_driven`: whether there was a script before it.
+/// What the page does after each frame: files come and go. `was_driven`: whether there was a script
+/// before it.
 pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
     let arrived = ARRIVED.with_borrow_mut(|arrived| std::mem::take(&mut arrived.0));
     if let Some(path) = open::first(&arrived) {
@@ -159,17 +183,27 @@ pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
         let Ok(bytes) = disk::read(&path) else { continue };
         if path.starts_with(AUTOSAVES) {
             if call("keep", &[&String::from_utf8_lossy(&bytes).as_ref().into()]).is_err() {
-                window.studio.messages.problem("the autosave is too large for the browser's storage; save the document now and then");
+                window.studio.messages.problem(
+                    "the autosave is too large for the browser's \
+                    storage; save the document now and then",
+                );
             }
         } else {
-            let name = path.file_name().map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
+            let name = path
+                .file_name()
+                .map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
             if let Err(error) = call("download", &[&name.into(), &Uint8Array::from(&bytes[..])]) {
-                window.studio.messages.problem(format!("the browser did not take {}: {}; try again", path.display(), text_of(&error)));
+                window.studio.messages.problem(format!(
+                    "the browser did not take {}: {}; try again",
+                    path.display(),
+                    text_of(&error)
+                ));
             }
         }
     }
-    let keeps = disk::list(Path::new(AUTOSAVES))
-        .is_ok_and(|files| files.iter().any(|(name, _)| Path::new(AUTOSAVES).join(name) != Path::new(LEFT)));
+    let keeps = disk::list(Path::new(AUTOSAVES)).is_ok_and(|files| {
+        files.iter().any(|(name, _)| Path::new(AUTOSAVES).join(name) != Path::new(LEFT))
+    });
     if KEEPS.replace(keeps) && !keeps {
         // Storage that cannot be emptied costs a question at the next visit.
         let _ = call("forget", &[]);

@@ -1,4 +1,5 @@
-//! The window in which files are chosen; drawn here, so that it is the same everywhere and tests can use it.
+//! The window in which files are chosen; drawn here, so that it is the same everywhere and tests
+//! can use it.
 
 use std::path::{Path, PathBuf};
 
@@ -57,7 +58,8 @@ impl Browser {
     }
 
     fn new(purpose: Purpose, folder: PathBuf, name: String) -> Self {
-        let mut browser = Self { purpose, folder, name, entries: Vec::new(), problem: None, sure: None };
+        let mut browser =
+            Self { purpose, folder, name, entries: Vec::new(), problem: None, sure: None };
         browser.list();
         browser
     }
@@ -67,16 +69,24 @@ impl Browser {
         match disk::list(&self.folder) {
             Ok(list) => {
                 for (name, is_folder) in list {
-                    let known = EXTENSIONS.iter().any(|e| name.to_lowercase().ends_with(&format!(".{e}")));
+                    let known =
+                        EXTENSIONS.iter().any(|e| name.to_lowercase().ends_with(&format!(".{e}")));
                     if !name.starts_with('.') && (is_folder || known) {
                         entries.push((name, is_folder));
                     }
                 }
                 self.problem = None;
             }
-            Err(error) => self.problem = Some(format!("{} cannot be read ({error}); choose another folder", self.folder.display())),
+            Err(error) => {
+                self.problem = Some(format!(
+                    "{} cannot be read ({error}); choose another folder",
+                    self.folder.display()
+                ))
+            }
         }
-        entries.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.to_lowercase().cmp(&b.0.to_lowercase())));
+        entries.sort_by(|a, b| {
+            b.1.cmp(&a.1).then_with(|| a.0.to_lowercase().cmp(&b.0.to_lowercase()))
+        });
         self.entries = entries;
     }
 
@@ -93,57 +103,82 @@ impl Browser {
             Purpose::Take(_) => ("Take away", "Write"),
         };
         let (mut result, mut chosen, mut go) = (None, false, None);
-        Window::new(title).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).collapsible(false).resizable(false).show(ctx, |ui| {
-            ui.set_width(460.0);
-            ui.horizontal(|ui| {
-                if ui.button("Up").on_hover_text("the folder around this one").clicked() {
-                    go = self.folder.parent().map(Path::to_path_buf);
-                }
-                ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
-            });
-            ScrollArea::vertical().max_height(260.0).min_scrolled_height(260.0).auto_shrink([false, false]).show(ui, |ui| {
-                for (name, is_folder) in &self.entries {
-                    let text = if *is_folder { format!("{name}/") } else { name.clone() };
-                    let response = ui.selectable_label(!is_folder && self.name == *name, text);
-                    if response.clicked() && *is_folder {
-                        go = Some(self.folder.join(name));
-                    } else if response.clicked() {
-                        self.name = name.clone();
+        Window::new(title)
+            .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+            .collapsible(false)
+            .resizable(false)
+            .show(ctx, |ui| {
+                ui.set_width(460.0);
+                ui.horizontal(|ui| {
+                    if ui.button("Up").on_hover_text("the folder around this one").clicked() {
+                        go = self.folder.parent().map(Path::to_path_buf);
                     }
-                    chosen |= response.double_clicked() && !is_folder;
+                    ui.add(egui::Label::new(self.folder.display().to_string()).truncate());
+                });
+                ScrollArea::vertical()
+                    .max_height(260.0)
+                    .min_scrolled_height(260.0)
+                    .auto_shrink([false, false])
+                    .show(ui, |ui| {
+                        for (name, is_folder) in &self.entries {
+                            let text = if *is_folder { format!("{name}/") } else { name.clone() };
+                            let response =
+                                ui.selectable_label(!is_folder && self.name == *name, text);
+                            if response.clicked() && *is_folder {
+                                go = Some(self.folder.join(name));
+                            } else if response.clicked() {
+                                self.name = name.clone();
+                            }
+                            chosen |= response.double_clicked() && !is_folder;
+                        }
+                    });
+                #[cfg(target_arch = "wasm32")]
+                if self.purpose == Purpose::Open
+                    && ui
+                        .button("From this computer…")
+                        .on_hover_text("choose a scene with its files")
+                        .clicked()
+                {
+                    crate::page::choose();
                 }
-            });
-            #[cfg(target_arch = "wasm32")]
-            if self.purpose == Purpose::Open && ui.button("From this computer…").on_hover_text("choose a scene with its files").clicked()
-            {
-                crate::page::choose();
-            }
-            ui.horizontal(|ui| {
-                let label = ui.label("File:");
-                let field = ui.add(TextEdit::singleline(&mut self.name).desired_width(400.0)).labelled_by(label.id);
-                chosen |= field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-            });
-            if let Some(problem) = &self.problem {
-                ui.colored_label(ui.visuals().error_fg_color, problem);
-            }
-            ui.horizontal(|ui| {
-                chosen |= ui.button(verb).clicked();
-                if ui.button("Cancel").clicked() || ui.input(|i| i.key_pressed(egui::Key::Escape)) {
-                    result = Some(None);
+                ui.horizontal(|ui| {
+                    let label = ui.label("File:");
+                    let field = ui
+                        .add(TextEdit::singleline(&mut self.name).desired_width(400.0))
+                        .labelled_by(label.id);
+                    chosen |= field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+                });
+                if let Some(problem) = &self.problem {
+                    ui.colored_label(ui.visuals().error_fg_color, problem);
                 }
+                ui.horizontal(|ui| {
+                    chosen |= ui.button(verb).clicked();
+                    if ui.button("Cancel").clicked()
+                        || ui.input(|i| i.key_pressed(egui::Key::Escape))
+                    {
+                        result = Some(None);
+                    }
+                });
             });
-        });
         if let Some(folder) = go {
             self.go(folder);
         }
         if chosen && !self.name.trim().is_empty() {
             let path = self.folder.join(self.name.trim());
             // A folder may be there: what goes into it replaces files of the same names only.
-            if self.purpose == Purpose::Open && self.entries.contains(&(self.name.trim().to_owned(), true)) {
+            if self.purpose == Purpose::Open
+                && self.entries.contains(&(self.name.trim().to_owned(), true))
+            {
                 self.name.clear();
                 self.go(path);
-            } else if self.purpose != Purpose::Open && disk::has(&path) && self.sure.as_ref() != Some(&path) {
-                self.problem = Some(format!("{} is there already; choose {verb} again to replace it", path.display()));
+            } else if self.purpose != Purpose::Open
+                && disk::has(&path)
+                && self.sure.as_ref() != Some(&path)
+            {
+                self.problem = Some(format!(
+                    "{} is there already; choose {verb} again to replace it",
+                    path.display()
+                ));
                 self.sure = Some(path);
             } else {
                 result = Some(Some(path));

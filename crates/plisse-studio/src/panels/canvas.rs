@@ -19,21 +19,34 @@ impl Studio {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         let scale = ui.ctx().pixels_per_point();
-        self.size = [(rect.width() * scale) as usize, (rect.height() * scale) as usize].map(|s| s.clamp(8, 4096));
+        self.size = [(rect.width() * scale) as usize, (rect.height() * scale) as usize]
+            .map(|s| s.clamp(8, 4096));
         let [r, g, b] = plisse_live::draw::BACKGROUND;
         ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
-        let texture = self.sheet.as_ref().and_then(|s| s.texture).or_else(|| self.picture.as_ref().map(|p| p.id()));
+        let texture = self
+            .sheet
+            .as_ref()
+            .and_then(|s| s.texture)
+            .or_else(|| self.picture.as_ref().map(|p| p.id()));
         if let Some(texture) = texture {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture, rect, whole, Color32::WHITE);
         } else {
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "The first picture is on its way", FontId::proportional(16.0), INK);
+            ui.painter().text(
+                rect.center(),
+                Align2::CENTER_CENTER,
+                "The first picture is on its way",
+                FontId::proportional(16.0),
+                INK,
+            );
         }
         self.pointer(ui, &response, rect);
         let painter = ui.painter_at(rect);
         if let Some(sheet) = &self.sheet {
             for mark in &sheet.marks {
-                let ends = mark.ends.map(|e| pos2(rect.left() + e.x * rect.width(), rect.top() + e.y * rect.height()));
+                let ends = mark.ends.map(|e| {
+                    pos2(rect.left() + e.x * rect.width(), rect.top() + e.y * rect.height())
+                });
                 let colour = INK.gamma_multiply(0.35 + 0.65 * mark.strength);
                 painter.line_segment(ends, Stroke::new(1.4, colour));
             }
@@ -42,11 +55,18 @@ impl Studio {
             }
         }
         let hint = match self.paints() {
-            true => "drag on the surface: paint   right drag: turn   middle drag: move   wheel: nearer",
+            true => {
+                "drag on the surface: paint   right drag: turn   middle drag: move   wheel: nearer"
+            }
             false => "drag: turn   middle or shift drag: move   wheel: nearer   double click: fit",
         };
-        let text = painter.layout_no_wrap(hint.to_owned(), FontId::proportional(11.5), INK.gamma_multiply(0.85));
-        let place = Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), text.size());
+        let text = painter.layout_no_wrap(
+            hint.to_owned(),
+            FontId::proportional(11.5),
+            INK.gamma_multiply(0.85),
+        );
+        let place =
+            Align2::RIGHT_BOTTOM.anchor_size(rect.right_bottom() - vec2(10.0, 8.0), text.size());
         painter.rect_filled(place.expand2(vec2(6.0, 2.0)), 4.0, Color32::from_white_alpha(200));
         painter.galley(place.min, text, INK);
     }
@@ -58,7 +78,8 @@ impl Studio {
             ui.add_space(6.0);
             for (n, view) in View::MAIN.into_iter().enumerate() {
                 let tip = format!("key {}", n + 1);
-                if ui.selectable_label(self.view == view, view.name()).on_hover_text(tip).clicked() {
+                if ui.selectable_label(self.view == view, view.name()).on_hover_text(tip).clicked()
+                {
                     self.view = view;
                 }
             }
@@ -69,8 +90,10 @@ impl Studio {
                     self.view = painted;
                 }
             }
-            let others =
-                [(Looking::Solved, "Solved", self.physics.solid().is_some()), (Looking::Grown, "Grown", self.growth.solid().is_some())];
+            let others = [
+                (Looking::Solved, "Solved", self.physics.solid().is_some()),
+                (Looking::Grown, "Grown", self.growth.solid().is_some()),
+            ];
             if others.iter().any(|o| o.2) {
                 ui.separator();
                 ui.selectable_value(&mut self.looking, Looking::Live, "Model");
@@ -90,8 +113,11 @@ impl Studio {
     }
 
     fn pointer(&mut self, ui: &Ui, response: &egui::Response, rect: Rect) {
-        let at = |p: Pos2| Vec2::new((p.x - rect.left()) / rect.width(), (p.y - rect.top()) / rect.height());
-        let (modifiers, scroll, pinch) = ui.input(|i| (i.modifiers, i.smooth_scroll_delta.y, i.zoom_delta()));
+        let at = |p: Pos2| {
+            Vec2::new((p.x - rect.left()) / rect.width(), (p.y - rect.top()) / rect.height())
+        };
+        let (modifiers, scroll, pinch) =
+            ui.input(|i| (i.modifiers, i.smooth_scroll_delta.y, i.zoom_delta()));
         let delta = response.drag_delta() / rect.height().max(1.0);
         let primary = response.dragged_by(egui::PointerButton::Primary);
         let can_paint = self.paints() && !modifiers.alt;
@@ -102,20 +128,25 @@ impl Studio {
                 self.stroke(at(press));
             }
         }
-        if let (Some(_), false, true, Some(p)) = (&self.trail, self.released, primary, response.interact_pointer_pos()) {
+        if let (Some(_), false, true, Some(p)) =
+            (&self.trail, self.released, primary, response.interact_pointer_pos())
+        {
             self.stroke(at(p));
         }
         if self.trail.is_some() && response.drag_stopped() {
             self.release_stroke();
         }
         let dabs = response.clicked() && can_paint && self.trail.is_none();
-        if let Some(p) = response.interact_pointer_pos().filter(|p| dabs && self.hit(at(*p)).is_some()) {
+        if let Some(p) =
+            response.interact_pointer_pos().filter(|p| dabs && self.hit(at(*p)).is_some())
+        {
             self.playing = false;
             self.stroke(at(p));
             self.end_stroke();
         }
         let pans = response.dragged_by(egui::PointerButton::Middle)
-            || (modifiers.shift && (primary || response.dragged_by(egui::PointerButton::Secondary)));
+            || (modifiers.shift
+                && (primary || response.dragged_by(egui::PointerButton::Secondary)));
         let turns = response.dragged_by(egui::PointerButton::Secondary) || primary;
         self.moving = false;
         if self.trail.is_none() && pans {
@@ -151,7 +182,8 @@ impl Studio {
     /// The brush's rim on the surface.
     fn ring(&self, ui: &Ui, rect: Rect, at: Vec2) {
         let (Some(hit), Some(sheet)) = (self.hit(at), &self.sheet) else { return };
-        let [a, b, c] = self.document.subject.unified.faces[hit.face].map(|v| sheet.posed.positions[v as usize]);
+        let [a, b, c] = self.document.subject.unified.faces[hit.face]
+            .map(|v| sheet.posed.positions[v as usize]);
         let Some(n) = (b - a).cross(&(c - a)).try_normalize(1e-30) else { return };
         let other = if n.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
         let Some(u) = n.cross(&other).try_normalize(1e-9) else { return };
@@ -160,11 +192,18 @@ impl Studio {
             let (sin, cos) = (std::f32::consts::TAU * k as f32 / 48.0).sin_cos();
             let clip = map * (hit.position + (u * cos + v * sin) * self.brush.radius_m).push(1.0);
             let ndc = clip.xyz() / clip.w.max(1e-6);
-            pos2(rect.left() + (0.5 + 0.5 * ndc.x) * rect.width(), rect.top() + (0.5 - 0.5 * ndc.y) * rect.height())
+            pos2(
+                rect.left() + (0.5 + 0.5 * ndc.x) * rect.width(),
+                rect.top() + (0.5 - 0.5 * ndc.y) * rect.height(),
+            )
         };
         let points: Vec<Pos2> = (0..=48).map(place).collect();
         let painter = ui.painter_at(rect);
-        let colour = if self.brush.action == Action::Erase { Color32::from_rgb(170, 40, 40) } else { Color32::from_rgb(24, 80, 160) };
+        let colour = if self.brush.action == Action::Erase {
+            Color32::from_rgb(170, 40, 40)
+        } else {
+            Color32::from_rgb(24, 80, 160)
+        };
         painter.line(points.clone(), Stroke::new(3.0, Color32::from_white_alpha(170)));
         painter.line(points, Stroke::new(1.5, colour));
     }
@@ -176,8 +215,17 @@ fn show_legend(painter: &egui::Painter, rect: Rect, legend: &Legend) {
     painter.rect_filled(frame, 5.0, Color32::from_white_alpha(225));
     painter.rect_stroke(frame, 5.0, Stroke::new(1.0, INK.gamma_multiply(0.35)), StrokeKind::Inside);
     let small = FontId::proportional(11.5);
-    painter.text(frame.left_top() + vec2(10.0, 6.0), Align2::LEFT_TOP, &legend.title, FontId::proportional(12.5), INK);
-    let bar = Rect::from_min_max(frame.left_top() + vec2(10.0, 24.0), frame.right_top() + vec2(-10.0, 33.0));
+    painter.text(
+        frame.left_top() + vec2(10.0, 6.0),
+        Align2::LEFT_TOP,
+        &legend.title,
+        FontId::proportional(12.5),
+        INK,
+    );
+    let bar = Rect::from_min_max(
+        frame.left_top() + vec2(10.0, 24.0),
+        frame.right_top() + vec2(-10.0, 33.0),
+    );
     let parts = 60;
     for k in 0..parts {
         let (from, to) = (k as f32 / parts as f32, (k + 1) as f32 / parts as f32);
@@ -188,7 +236,9 @@ fn show_legend(painter: &egui::Painter, rect: Rect, legend: &Legend) {
         );
         painter.rect_filled(piece, 0.0, Color32::from_rgb(r, g, b));
     }
-    for (k, align) in [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP].into_iter().enumerate() {
+    for (k, align) in
+        [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP].into_iter().enumerate()
+    {
         let x = bar.left() + bar.width() * 0.5 * k as f32;
         painter.text(pos2(x, bar.bottom() + 3.0), align, &legend.ticks[k], small.clone(), INK);
     }

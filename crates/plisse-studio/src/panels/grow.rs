@@ -63,7 +63,11 @@ impl Studio {
         let (document, wake) = (self.document.clone(), Arc::clone(&self.wake));
         self.growth.fold = None;
         self.growth.progress = Progress::default();
-        self.growth.job = Some(Job::start("grow", move || wake(), move |reporter| run(&plan(&document)?, reporter)));
+        self.growth.job = Some(Job::start(
+            "grow",
+            move || wake(),
+            move |reporter| run(&plan(&document)?, reporter),
+        ));
     }
 
     /// Lets the surface fold under the brush from now on, or no longer.
@@ -75,7 +79,8 @@ impl Studio {
         let document = self.document.clone();
         self.growth.followed = (self.document.revision, self.cached.dabs);
         self.growth.widths_m = (document.settings.fold_spacing_m, document.settings.coherence_m);
-        self.growth.fold = Some(Fold::start(document, self.growth.grown.clone(), Arc::clone(&self.wake)));
+        self.growth.fold =
+            Some(Fold::start(document, self.growth.grown.clone(), Arc::clone(&self.wake)));
         if self.brush.layer != Layer::Expansion {
             self.choose_layer(Layer::Expansion);
         }
@@ -84,7 +89,9 @@ impl Studio {
     /// Has the fold follow what was painted, and takes what came of it.
     pub(crate) fn follow_brush(&mut self) {
         let settings = &self.document.settings;
-        if self.growth.follows() && self.growth.widths_m != (settings.fold_spacing_m, settings.coherence_m) {
+        if self.growth.follows()
+            && self.growth.widths_m != (settings.fold_spacing_m, settings.coherence_m)
+        {
             self.fold_under_brush(true);
         }
         let Some(fold) = &mut self.growth.fold else { return };
@@ -126,8 +133,13 @@ impl Studio {
                             self.growth.solid = Some(solid);
                             self.looking = Looking::Grown;
                             let steps = grown.report.steps.len();
-                            let text = format!("grown in {steps} steps and {:.1} s", grown.report.seconds);
-                            self.messages.note(if cancelled { format!("stopped after {steps} steps") } else { text });
+                            let text =
+                                format!("grown in {steps} steps and {:.1} s", grown.report.seconds);
+                            self.messages.note(if cancelled {
+                                format!("stopped after {steps} steps")
+                            } else {
+                                text
+                            });
                             self.growth.grown = Some(grown);
                         }
                         Ok(Part::Step(_)) => {}
@@ -142,17 +154,40 @@ impl Studio {
         let painted = self.document.layers.is_painted(Layer::Expansion);
         let told = self.document.subject.scene.as_ref().is_some_and(|s| s.scene.growth.is_some());
         ui.label(match (painted, told) {
-            (true, _) => "What is painted as Expansion grows; Wavelength, Coherence and Freeze say how.",
-            (false, true) => "The scene says what grows. Paint Expansion to have that grow instead.",
-            (false, false) => "Paint Expansion first: it says where, by how much, and along what the surface grows.",
+            (true, _) => {
+                "What is painted as Expansion grows; Wavelength, Coherence and Freeze say \
+                how."
+            }
+            (false, true) => {
+                "The scene says what grows. Paint Expansion to have that grow \
+                instead."
+            }
+            (false, false) => {
+                "Paint Expansion first: it says where, by how much, and along what \
+                the surface grows."
+            }
         });
         ui.add_space(4.0);
         let size_m = f64::from(self.document.subject.size_m());
         if painted || !told {
             let settings = &mut self.document.settings;
             let (low, high) = (0.005 * size_m, 0.5 * size_m);
-            slider(ui, &mut settings.fold_spacing_m, low..=high, "spacing", " m", "distance from fold to fold, as seen before growth (m)");
-            slider(ui, &mut settings.coherence_m, 0.0..=size_m, "coherence", " m", "how far crests run straight where none is painted (m)");
+            slider(
+                ui,
+                &mut settings.fold_spacing_m,
+                low..=high,
+                "spacing",
+                " m",
+                "distance from fold to fold, as seen before growth (m)",
+            );
+            slider(
+                ui,
+                &mut settings.coherence_m,
+                0.0..=size_m,
+                "coherence",
+                " m",
+                "how far crests run straight where none is painted (m)",
+            );
         }
         let mut follows = self.growth.follows();
         let tip = "what the brush paints grows at once, and what lies around it follows";
@@ -166,15 +201,28 @@ impl Studio {
             return;
         }
         let busy = self.growth.is_busy();
-        if ui.add_enabled(busy || painted || told, Button::new(if busy { "Stop" } else { "Grow the whole" })).clicked() {
+        if ui
+            .add_enabled(
+                busy || painted || told,
+                Button::new(if busy { "Stop" } else { "Grow the whole" }),
+            )
+            .clicked()
+        {
             self.grow_or_stop();
         }
         progress(ui, &self.growth.progress, busy);
         if let Some(grown) = &self.growth.grown {
             let iterations: usize = grown.report.steps.iter().map(|s| s.iterations).sum();
-            ui.label(format!("{} steps, {iterations} iterations, {:.1} s", grown.report.steps.len(), grown.report.seconds));
+            ui.label(format!(
+                "{} steps, {iterations} iterations, {:.1} s",
+                grown.report.steps.len(),
+                grown.report.seconds
+            ));
             if let Some(last) = grown.report.steps.last() {
-                ui.label(format!("residual {:.1e}, energy {:.4e} J", last.residual, last.energy_joule));
+                ui.label(format!(
+                    "residual {:.1e}, energy {:.4e} J",
+                    last.residual, last.energy_joule
+                ));
             }
         }
     }

@@ -24,7 +24,11 @@ impl Studio {
                 if !self.left.is_empty() {
                     ui.menu_button("Recover", |ui| {
                         for left in self.left.clone() {
-                            if ui.button(&left.name).on_hover_text(left.path.display().to_string()).clicked() {
+                            if ui
+                                .button(&left.name)
+                                .on_hover_text(left.path.display().to_string())
+                                .clicked()
+                            {
                                 self.recover(&left);
                             }
                         }
@@ -63,13 +67,24 @@ impl Studio {
                 if self.messages.list().is_empty() {
                     ui.label("nothing yet");
                 }
-                egui::ScrollArea::vertical().max_height(360.0).stick_to_bottom(true).show(ui, |ui| {
-                    for message in self.messages.list() {
-                        let times = if message.times > 1 { format!(" (×{})", message.times) } else { String::new() };
-                        let text = RichText::new(format!("{}{times}", message.text));
-                        ui.label(if message.weight == Weight::Problem { text.color(ui.visuals().error_fg_color) } else { text });
-                    }
-                });
+                egui::ScrollArea::vertical().max_height(360.0).stick_to_bottom(true).show(
+                    ui,
+                    |ui| {
+                        for message in self.messages.list() {
+                            let times = if message.times > 1 {
+                                format!(" (×{})", message.times)
+                            } else {
+                                String::new()
+                            };
+                            let text = RichText::new(format!("{}{times}", message.text));
+                            ui.label(if message.weight == Weight::Problem {
+                                text.color(ui.visuals().error_fg_color)
+                            } else {
+                                text
+                            });
+                        }
+                    },
+                );
             });
             let name = self.document.subject.source.stem();
             let star = if self.is_unsaved() { " *" } else { "" };
@@ -101,16 +116,22 @@ impl Studio {
             ui.separator();
             if let Some(sheet) = &self.sheet {
                 let total: f32 = sheet.stage_ms.iter().sum();
-                ui.label(format!("picture {total:.0} ms")).on_hover_text("milliseconds of stages and drawing, on their own thread");
+                ui.label(format!("picture {total:.0} ms"))
+                    .on_hover_text("milliseconds of stages and drawing, on their own thread");
                 ui.separator();
-                ui.label(format!("frame {:.1} ms", self.frame_ms)).on_hover_text("milliseconds the window's own thread takes a frame");
+                ui.label(format!("frame {:.1} ms", self.frame_ms))
+                    .on_hover_text("milliseconds the window's own thread takes a frame");
                 ui.separator();
                 ui.label(&sheet.device).on_hover_text("what draws the picture");
                 ui.separator();
             }
             if let Some(message) = self.messages.last() {
                 let text = RichText::new(&message.text);
-                let text = if message.weight == Weight::Problem { text.color(ui.visuals().error_fg_color) } else { text };
+                let text = if message.weight == Weight::Problem {
+                    text.color(ui.visuals().error_fg_color)
+                } else {
+                    text
+                };
                 ui.add(egui::Label::new(text).truncate()).on_hover_text(&message.text);
             }
         });

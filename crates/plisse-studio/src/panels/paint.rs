@@ -14,7 +14,8 @@ impl Studio {
         let mut layer = self.brush.layer;
         for choice in Layer::ALL {
             let painted = if self.document.layers.is_painted(choice) { " (painted)" } else { "" };
-            ui.radio_value(&mut layer, choice, format!("{}{painted}", choice.name())).on_hover_text(tip(choice));
+            ui.radio_value(&mut layer, choice, format!("{}{painted}", choice.name()))
+                .on_hover_text(tip(choice));
         }
         if layer != self.brush.layer {
             self.choose_layer(layer);
@@ -29,10 +30,14 @@ impl Studio {
         ui.heading("Brush");
         ui.horizontal(|ui| {
             ui.selectable_value(&mut self.brush.action, Action::Paint, "Paint");
-            ui.selectable_value(&mut self.brush.action, Action::Erase, "Erase").on_hover_text("E: back to what nobody painted");
+            ui.selectable_value(&mut self.brush.action, Action::Erase, "Erase")
+                .on_hover_text("E: back to what nobody painted");
         });
         let size_m = self.document.subject.size_m();
-        let radius = Slider::new(&mut self.brush.radius_m, 0.005 * size_m..=0.5 * size_m).logarithmic(true).text("radius").suffix(" m");
+        let radius = Slider::new(&mut self.brush.radius_m, 0.005 * size_m..=0.5 * size_m)
+            .logarithmic(true)
+            .text("radius")
+            .suffix(" m");
         ui.add(radius).on_hover_text("radius along the surface (m); keys [ and ]");
         slider(
             ui,
@@ -52,11 +57,14 @@ impl Studio {
             Layer::Freeze => "frozen",
         };
         slider(ui, &mut self.brush.value, low..=high, name, unit, tip(layer));
-        ComboBox::from_label("falloff").selected_text(falloff_name(self.brush.falloff)).show_ui(ui, |ui| {
-            for falloff in [Falloff::Smooth, Falloff::Linear, Falloff::Hard] {
-                ui.selectable_value(&mut self.brush.falloff, falloff, falloff_name(falloff));
-            }
-        });
+        ComboBox::from_label("falloff").selected_text(falloff_name(self.brush.falloff)).show_ui(
+            ui,
+            |ui| {
+                for falloff in [Falloff::Smooth, Falloff::Linear, Falloff::Hard] {
+                    ui.selectable_value(&mut self.brush.falloff, falloff, falloff_name(falloff));
+                }
+            },
+        );
         if layer.is_directed() {
             let mut headings = vec![Heading::AlongStroke, Heading::AcrossStroke, Heading::Screen];
             if layer == Layer::Expansion {
@@ -64,30 +72,49 @@ impl Studio {
             } else if self.brush.heading == Heading::Isotropic {
                 self.brush.heading = Heading::AlongStroke;
             }
-            ComboBox::from_label("direction").selected_text(heading_name(layer, self.brush.heading)).width(190.0).show_ui(ui, |ui| {
-                for heading in headings {
-                    ui.selectable_value(&mut self.brush.heading, heading, heading_name(layer, heading));
-                }
-            });
+            ComboBox::from_label("direction")
+                .selected_text(heading_name(layer, self.brush.heading))
+                .width(190.0)
+                .show_ui(ui, |ui| {
+                    for heading in headings {
+                        ui.selectable_value(
+                            &mut self.brush.heading,
+                            heading,
+                            heading_name(layer, heading),
+                        );
+                    }
+                });
             if self.brush.heading == Heading::Screen {
                 let mut degrees = self.brush.screen_angle_rad.to_degrees();
-                if slider(ui, &mut degrees, -90.0..=90.0, "angle", "°", "from the picture's right upwards (degrees)") {
+                if slider(
+                    ui,
+                    &mut degrees,
+                    -90.0..=90.0,
+                    "angle",
+                    "°",
+                    "from the picture's right upwards (degrees)",
+                ) {
                     self.brush.screen_angle_rad = degrees.to_radians();
                 }
             }
         }
-        ComboBox::from_label("mirror").selected_text(mirror_name(self.brush.mirror)).show_ui(ui, |ui| {
-            for mirror in [Mirror::Off, Mirror::X, Mirror::Y, Mirror::Z] {
-                ui.selectable_value(&mut self.brush.mirror, mirror, mirror_name(mirror));
-            }
-        });
+        ComboBox::from_label("mirror").selected_text(mirror_name(self.brush.mirror)).show_ui(
+            ui,
+            |ui| {
+                for mirror in [Mirror::Off, Mirror::X, Mirror::Y, Mirror::Z] {
+                    ui.selectable_value(&mut self.brush.mirror, mirror, mirror_name(mirror));
+                }
+            },
+        );
         ui.add_space(6.0);
         ui.horizontal(|ui| {
-            let undo = ui.add_enabled(!self.document.history.done().is_empty(), egui::Button::new("Undo"));
+            let undo =
+                ui.add_enabled(!self.document.history.done().is_empty(), egui::Button::new("Undo"));
             if undo.on_hover_text(ui.ctx().format_shortcut(&Command::Undo.shortcut())).clicked() {
                 self.run(Command::Undo);
             }
-            let redo = ui.add_enabled(self.document.history.undone() > 0, egui::Button::new("Redo"));
+            let redo =
+                ui.add_enabled(self.document.history.undone() > 0, egui::Button::new("Redo"));
             if redo.on_hover_text(ui.ctx().format_shortcut(&Command::Redo.shortcut())).clicked() {
                 self.run(Command::Redo);
             }
@@ -107,7 +134,10 @@ impl Studio {
 
 fn tip(layer: Layer) -> &'static str {
     match layer {
-        Layer::Wrinkles => "wrinkles that are there in the rest pose; the surface counts as shorter by the square of the amount",
+        Layer::Wrinkles => {
+            "wrinkles that are there in the rest pose; the surface counts as shorter by the square \
+             of the amount"
+        }
         Layer::Wavelength => "share of the wavelength, 0.05 to 1",
         Layer::Expansion => "by how much the surface shall grow (1 is twice as long)",
         Layer::Coherence => "how far the crests of folds run straight (m)",

@@ -10,32 +10,54 @@ impl Studio {
     pub(crate) fn questions(&mut self, ctx: &egui::Context) {
         if let Some(question) = self.asks.clone() {
             let (title, text, yes) = match &question {
-                Question::Open(path) => {
-                    ("Not saved", format!("What you painted is not saved. Open {} all the same?", path.display()), "Open")
-                }
-                Question::Own(name) => ("Not saved", format!("What you painted is not saved. Show the {name} all the same?"), "Show"),
-                Question::Quit => ("Not saved", "What you painted is not saved. Quit all the same?".to_owned(), "Quit"),
+                Question::Open(path) => (
+                    "Not saved",
+                    format!("What you painted is not saved. Open {} all the same?", path.display()),
+                    "Open",
+                ),
+                Question::Own(name) => (
+                    "Not saved",
+                    format!("What you painted is not saved. Show the {name} all the same?"),
+                    "Show",
+                ),
+                Question::Quit => (
+                    "Not saved",
+                    "What you painted is not saved. Quit all the same?".to_owned(),
+                    "Quit",
+                ),
                 Question::Reload(path) => (
                     "Changed on the disk",
-                    format!("{} has changed since it was read. What is open here stays as it is until you read it again.", path.display()),
+                    format!(
+                        "{} has changed since it was read. What is open here stays as it is until \
+                         you read it again.",
+                        path.display()
+                    ),
                     "Read again",
                 ),
             };
             let mut answer = None;
-            Window::new(title).anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).collapsible(false).resizable(false).show(ctx, |ui| {
-                ui.set_max_width(380.0);
-                ui.label(text);
-                ui.add_space(6.0);
-                ui.horizontal(|ui| {
-                    if ui.button(yes).clicked() {
-                        answer = Some(true);
-                    }
-                    let no = if matches!(question, Question::Reload(_)) { "Keep what is open" } else { "Stay" };
-                    if ui.button(no).clicked() {
-                        answer = Some(false);
-                    }
+            Window::new(title)
+                .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+                .collapsible(false)
+                .resizable(false)
+                .show(ctx, |ui| {
+                    ui.set_max_width(380.0);
+                    ui.label(text);
+                    ui.add_space(6.0);
+                    ui.horizontal(|ui| {
+                        if ui.button(yes).clicked() {
+                            answer = Some(true);
+                        }
+                        let no = if matches!(question, Question::Reload(_)) {
+                            "Keep what is open"
+                        } else {
+                            "Stay"
+                        };
+                        if ui.button(no).clicked() {
+                            answer = Some(false);
+                        }
+                    });
                 });
-            });
             match answer {
                 Some(true) => {
                     self.asks = None;
@@ -52,19 +74,30 @@ impl Studio {
         }
         if let (Some(left), None, false) = (self.left.first().cloned(), &self.asks, self.later) {
             let mut answer = None;
-            Window::new("Recover").anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).collapsible(false).resizable(false).show(ctx, |ui| {
-                ui.set_max_width(380.0);
-                ui.label(format!("The program ended before {} was saved. Take it up again?", left.name));
-                ui.add_space(6.0);
-                ui.horizontal(|ui| {
-                    if ui.button("Recover").clicked() {
-                        answer = Some(true);
-                    }
-                    if ui.button("Later").on_hover_text("it stays under File, Recover").clicked() {
-                        answer = Some(false);
-                    }
+            Window::new("Recover")
+                .anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0))
+                .collapsible(false)
+                .resizable(false)
+                .show(ctx, |ui| {
+                    ui.set_max_width(380.0);
+                    ui.label(format!(
+                        "The program ended before {} was saved. Take it up again?",
+                        left.name
+                    ));
+                    ui.add_space(6.0);
+                    ui.horizontal(|ui| {
+                        if ui.button("Recover").clicked() {
+                            answer = Some(true);
+                        }
+                        if ui
+                            .button("Later")
+                            .on_hover_text("it stays under File, Recover")
+                            .clicked()
+                        {
+                            answer = Some(false);
+                        }
+                    });
                 });
-            });
             match answer {
                 Some(true) => self.recover(&left),
                 Some(false) => self.later = true,
@@ -77,17 +110,28 @@ impl Studio {
     }
 
     fn problems(&mut self, ctx: &egui::Context) {
-        let problems: Vec<String> =
-            self.messages.list().iter().rev().filter(|m| m.weight == Weight::Problem).take(3).map(|m| m.text.clone()).collect();
+        let problems: Vec<String> = self
+            .messages
+            .list()
+            .iter()
+            .rev()
+            .filter(|m| m.weight == Weight::Problem)
+            .take(3)
+            .map(|m| m.text.clone())
+            .collect();
         let mut closed = false;
-        Window::new("Message").anchor(Align2::RIGHT_TOP, vec2(-12.0, 64.0)).collapsible(false).resizable(false).show(ctx, |ui| {
-            ui.set_max_width(360.0);
-            for text in &problems {
-                ui.colored_label(ui.visuals().error_fg_color, text);
-                ui.add_space(4.0);
-            }
-            closed = ui.button("Close").on_hover_text("messages stay in the menu").clicked();
-        });
+        Window::new("Message")
+            .anchor(Align2::RIGHT_TOP, vec2(-12.0, 64.0))
+            .collapsible(false)
+            .resizable(false)
+            .show(ctx, |ui| {
+                ui.set_max_width(360.0);
+                for text in &problems {
+                    ui.colored_label(ui.visuals().error_fg_color, text);
+                    ui.add_space(4.0);
+                }
+                closed = ui.button("Close").on_hover_text("messages stay in the menu").clicked();
+            });
         if closed {
             self.messages.open = false;
         }

@@ -50,7 +50,11 @@ impl Studio {
             return;
         }
         let (source, size, wake) = (self.source(), self.taking.map_size, Arc::clone(&self.wake));
-        self.taking.job = Some(Job::start("take away", move || wake(), move |reporter| write(kind, &source, &path, size, reporter)));
+        self.taking.job = Some(Job::start(
+            "take away",
+            move || wake(),
+            move |reporter| write(kind, &source, &path, size, reporter),
+        ));
     }
 
     pub(crate) fn take_taken(&mut self) {
@@ -60,14 +64,23 @@ impl Studio {
                 self.taking.job = None;
                 match done {
                     Ok(paths) => {
-                        let names: Vec<String> =
-                            paths.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy().into_owned()).collect();
-                        let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
-                        let to = if folder.is_empty() { String::new() } else { format!(" to {folder}") };
+                        let names: Vec<String> = paths
+                            .iter()
+                            .filter_map(|p| p.file_name())
+                            .map(|n| n.to_string_lossy().into_owned())
+                            .collect();
+                        let folder = paths
+                            .first()
+                            .and_then(|p| p.parent())
+                            .map_or_else(String::new, |p| p.display().to_string());
+                        let to =
+                            if folder.is_empty() { String::new() } else { format!(" to {folder}") };
                         self.messages.note(format!("wrote {}{to}", names.join(", ")));
                         self.taking.written = paths;
                     }
-                    Err(error) => self.messages.problem(format!("{error}; your work is still here")),
+                    Err(error) => {
+                        self.messages.problem(format!("{error}; your work is still here"))
+                    }
                 }
                 return;
             }
@@ -84,7 +97,10 @@ impl Studio {
         }
         let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_owned();
         let image = &sheet.image;
-        let written = plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(std::path::Path::new("."))).and_then(|mut folder| {
+        let written = plisse::io::aside::OutputFolder::create(
+            path.parent().unwrap_or(std::path::Path::new(".")),
+        )
+        .and_then(|mut folder| {
             folder.write(&name, |out| plisse::picture::write_png(image, out))?;
             folder.commit()
         });
@@ -109,22 +125,36 @@ impl Studio {
             ui.heading("Surface");
             ui.horizontal(|ui| {
                 for extension in ["obj", "ply", "glb"] {
-                    if ui.add(Button::new(extension.to_uppercase())).on_hover_text("wrinkled geometry (m)").clicked() {
+                    if ui
+                        .add(Button::new(extension.to_uppercase()))
+                        .on_hover_text("wrinkled geometry (m)")
+                        .clicked()
+                    {
                         wanted = Some((Kind::Surface, format!("{stem}-wrinkled.{extension}")));
                     }
                 }
             });
             ui.heading("Maps");
-            ComboBox::from_label("texels along a side").selected_text(self.taking.map_size.to_string()).show_ui(ui, |ui| {
-                for size in [256, 512, 1024, 2048, 4096] {
-                    ui.selectable_value(&mut self.taking.map_size, size, size.to_string());
-                }
-            });
+            ComboBox::from_label("texels along a side")
+                .selected_text(self.taking.map_size.to_string())
+                .show_ui(ui, |ui| {
+                    for size in [256, 512, 1024, 2048, 4096] {
+                        ui.selectable_value(&mut self.taking.map_size, size, size.to_string());
+                    }
+                });
             ui.horizontal(|ui| {
-                if ui.button("Height and normals").on_hover_text("16-bit PNG, with the command that bakes them again").clicked() {
+                if ui
+                    .button("Height and normals")
+                    .on_hover_text("16-bit PNG, with the command that bakes them again")
+                    .clicked()
+                {
                     wanted = Some((Kind::Maps, format!("{stem}-maps")));
                 }
-                if ui.button("Paint").on_hover_text("painted layers as PNG, the bias as JSON").clicked() {
+                if ui
+                    .button("Paint")
+                    .on_hover_text("painted layers as PNG, the bias as JSON")
+                    .clicked()
+                {
                     wanted = Some((Kind::Paint, format!("{stem}-paint")));
                 }
             });
@@ -133,8 +163,13 @@ impl Studio {
                 wanted = Some((Kind::Field, format!("{stem}-field.json")));
             }
             let scene = self.document.subject.scene.is_some();
-            let tip = "scene.toml, the files it names, and what plisse solve makes of them, to the bit";
-            if ui.add_enabled(scene, Button::new("Scene and its files")).on_hover_text(tip).clicked() {
+            let tip =
+                "scene.toml, the files it names, and what plisse solve makes of them, to the bit";
+            if ui
+                .add_enabled(scene, Button::new("Scene and its files"))
+                .on_hover_text(tip)
+                .clicked()
+            {
                 wanted = Some((Kind::SceneFiles, format!("{stem}-solved")));
             }
         });

@@ -1,4 +1,5 @@
-//! Colours for numbers, as textures: a number is a texture coordinate, so that every renderer can show it.
+//! Colours for numbers, as textures: a number is a texture coordinate, so that every renderer can
+//! show it.
 
 use plisse_live::Vec2;
 use plisse_live::texture::Texture;
@@ -30,15 +31,30 @@ impl Scale {
     /// Colour (sRGB) at `t`, 0 to 1.
     pub fn at(self, t: f32) -> [u8; 3] {
         let stops: &[[u8; 3]] = match self {
-            Self::Heat => &[[244, 241, 232], [247, 203, 126], [231, 126, 67], [178, 43, 56], [92, 12, 56]],
-            Self::Diverging => &[[22, 62, 138], [84, 144, 206], [243, 243, 241], [224, 122, 92], [142, 22, 44]],
-            Self::Phase => &[[46, 74, 150], [120, 170, 200], [246, 236, 206], [226, 140, 84], [150, 60, 88], [46, 74, 150]],
+            Self::Heat => {
+                &[[244, 241, 232], [247, 203, 126], [231, 126, 67], [178, 43, 56], [92, 12, 56]]
+            }
+            Self::Diverging => {
+                &[[22, 62, 138], [84, 144, 206], [243, 243, 241], [224, 122, 92], [142, 22, 44]]
+            }
+            Self::Phase => &[
+                [46, 74, 150],
+                [120, 170, 200],
+                [246, 236, 206],
+                [226, 140, 84],
+                [150, 60, 88],
+                [46, 74, 150],
+            ],
             Self::Base | Self::Wire => &[[214, 176, 158], [214, 176, 158]],
         };
         let at = if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.0 } * (stops.len() - 1) as f32;
         let i = (at as usize).min(stops.len() - 2);
         let share = at - i as f32;
-        std::array::from_fn(|c| (f32::from(stops[i][c]) + (f32::from(stops[i + 1][c]) - f32::from(stops[i][c])) * share + 0.5) as u8)
+        std::array::from_fn(|c| {
+            (f32::from(stops[i][c])
+                + (f32::from(stops[i + 1][c]) - f32::from(stops[i][c])) * share
+                + 0.5) as u8
+        })
     }
 
     /// Its texture; `base` for the model's own.
@@ -50,7 +66,9 @@ impl Scale {
             _ => Texture {
                 width: ENTRIES,
                 height: 1,
-                rgba: (0..ENTRIES).map(|i| opaque(self.at(i as f32 / (ENTRIES - 1) as f32))).collect(),
+                rgba: (0..ENTRIES)
+                    .map(|i| opaque(self.at(i as f32 / (ENTRIES - 1) as f32)))
+                    .collect(),
             },
         }
     }
@@ -59,7 +77,10 @@ impl Scale {
     pub fn uv(self, t: f32) -> Vec2 {
         let t = if t.is_finite() { t } else { 0.0 };
         let half = 0.5 / ENTRIES as f32;
-        Vec2::new(if self == Self::Phase { t } else { t.clamp(0.0, 1.0) * (1.0 - 2.0 * half) + half }, 0.5)
+        Vec2::new(
+            if self == Self::Phase { t } else { t.clamp(0.0, 1.0) * (1.0 - 2.0 * half) + half },
+            0.5,
+        )
     }
 }
 
@@ -93,7 +114,10 @@ mod tests {
             for t in [0.0, 0.25, 0.5, 1.0] {
                 let found = texture.at(&scale.uv(t)).map(plisse_live::shade::to_srgb);
                 let wanted = scale.at(t);
-                assert!((0..3).all(|c| found[c].abs_diff(wanted[c]) <= 2), "{scale:?} {t}: {found:?} {wanted:?}");
+                assert!(
+                    (0..3).all(|c| found[c].abs_diff(wanted[c]) <= 2),
+                    "{scale:?} {t}: {found:?} {wanted:?}"
+                );
             }
             // Numbers beyond the scale take its ends.
             assert_eq!(scale.uv(7.0), scale.uv(1.0));

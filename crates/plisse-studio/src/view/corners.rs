@@ -1,5 +1,5 @@
-//! What the corners of faces carry in each view. Numbers become texture coordinates of a [`Scale`]; waves are left out where they
-//! would only disturb.
+//! What the corners of faces carry in each view. Numbers become texture coordinates of a [`Scale`];
+//! waves are left out where they would only disturb.
 
 use std::f32::consts::TAU;
 
@@ -23,7 +23,8 @@ pub struct Scene<'a> {
     pub wrinkled: &'a [[Corner; 3]],
     /// The mesh at rest.
     pub unified: &'a Unified,
-    /// `[F]` strain along its two principal directions, the lesser first, if it is known otherwise than from the mesh at rest.
+    /// `[F]` strain along its two principal directions, the lesser first, if it is known otherwise
+    /// than from the mesh at rest.
     pub strain: Option<&'a [[f32; 2]]>,
     /// The posed vertices.
     pub posed: &'a Skinned,
@@ -35,7 +36,8 @@ pub struct Scene<'a> {
     pub eye: Vec3,
 }
 
-/// How much of the light on faces whose colours are numbers comes from where they face; the rest is even, so that colours can be read.
+/// How much of the light on faces whose colours are numbers comes from where they face; the rest is
+/// even, so that colours can be read.
 const RELIEF: f32 = 0.3;
 
 /// Faces for `view`, the scale they are drawn with, and what its colours mean.
@@ -48,13 +50,20 @@ pub fn faces(scene: &Scene<'_>, view: View) -> (Vec<[Corner; 3]>, Scale, Option<
             let most = scene.amplitude_m.iter().copied().fold(0.0, f32::max);
             let scale = if most > 0.0 { 1.0 / most } else { 0.0 };
             let unit = |x: f32| format!("{:.3} mm", 1e3 * x);
-            let of = |f: usize| scene.unified.faces[f].map(|v| Scale::Heat.uv(scene.amplitude_m[v as usize] * scale));
+            let of = |f: usize| {
+                scene.unified.faces[f]
+                    .map(|v| Scale::Heat.uv(scene.amplitude_m[v as usize] * scale))
+            };
             let legend = legend("Amplitude", [0.0, 0.5 * most, most].map(unit), Scale::Heat);
             (each(scene, of), Scale::Heat, Some(legend))
         }
         View::Phase => {
             let ticks = ["crest", "trough", "crest"].map(str::to_owned);
-            (each(scene, |f| phases(&scene.wrinkled[f])), Scale::Phase, Some(legend("Phase", ticks, Scale::Phase)))
+            (
+                each(scene, |f| phases(&scene.wrinkled[f])),
+                Scale::Phase,
+                Some(legend("Phase", ticks, Scale::Phase)),
+            )
         }
         View::Direction => (each(scene, |_| [Scale::Heat.uv(0.0); 3]), Scale::Heat, None),
         View::Expansion => painted(scene, crate::document::Layer::Expansion),
@@ -70,13 +79,20 @@ fn legend(title: &str, ticks: [String; 3], colours: Scale) -> Legend {
 fn each(scene: &Scene<'_>, uvs: impl Fn(usize) -> [Vec2; 3]) -> Vec<[Corner; 3]> {
     let of = |(f, face): (usize, &[Corner; 3])| {
         let uvs = uvs(f);
-        let up = (face[1].position - face[0].position).cross(&(face[2].position - face[0].position));
+        let up =
+            (face[1].position - face[0].position).cross(&(face[2].position - face[0].position));
         // Renderers turn the normals of faces seen from behind.
         let sign = if up.dot(&(scene.eye - face[0].position)) < 0.0 { -1.0 } else { 1.0 };
         [0, 1, 2].map(|k| {
-            let to_viewer = (scene.eye - face[k].position).try_normalize(1e-20).unwrap_or_else(Vec3::z);
+            let to_viewer =
+                (scene.eye - face[k].position).try_normalize(1e-20).unwrap_or_else(Vec3::z);
             let normal = face[k].normal * RELIEF + to_viewer * (sign * (1.0 - RELIEF));
-            Corner { uv: uvs[k], amplitude_m: 0.0, normal: normal.try_normalize(1e-6).unwrap_or(face[k].normal), ..face[k] }
+            Corner {
+                uv: uvs[k],
+                amplitude_m: 0.0,
+                normal: normal.try_normalize(1e-6).unwrap_or(face[k].normal),
+                ..face[k]
+            }
         })
     };
     scene.wrinkled.iter().enumerate().map(of).collect()
@@ -91,7 +107,13 @@ fn strained(scene: &Scene<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
                 .unified
                 .faces
                 .iter()
-                .map(|face| principal_strain(&scene.unified.vertices.positions, &scene.posed.positions, face))
+                .map(|face| {
+                    principal_strain(
+                        &scene.unified.vertices.positions,
+                        &scene.posed.positions,
+                        face,
+                    )
+                })
                 .collect();
             &own
         }
@@ -107,7 +129,10 @@ fn strained(scene: &Scene<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
     (each(scene, of), Scale::Diverging, Some(legend))
 }
 
-fn painted(scene: &Scene<'_>, layer: crate::document::Layer) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
+fn painted(
+    scene: &Scene<'_>,
+    layer: crate::document::Layer,
+) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
     let (low, high, unit) = layer.range();
     let values: Vec<f32> = scene.layer.iter().map(|x| amount(layer, x)).collect();
     // What one wants to see is what differs from bare cloth.
@@ -121,7 +146,10 @@ fn painted(scene: &Scene<'_>, layer: crate::document::Layer) -> (Vec<[Corner; 3]
         let t = (x - low) / (most - low);
         if reversed { 1.0 - t } else { t }
     };
-    let of = |f: usize| scene.unified.faces[f].map(|v| Scale::Heat.uv(values.get(v as usize).map_or(0.0, |&x| share(x))));
+    let of = |f: usize| {
+        scene.unified.faces[f]
+            .map(|v| Scale::Heat.uv(values.get(v as usize).map_or(0.0, |&x| share(x))))
+    };
     let text = |x: f32| match layer {
         crate::document::Layer::Expansion => format!("+{:.0} %", 100.0 * x),
         _ => format!("{x:.2}{unit}"),
@@ -133,11 +161,16 @@ fn painted(scene: &Scene<'_>, layer: crate::document::Layer) -> (Vec<[Corner; 3]
 
 /// Turns of the wave of a face's strongest corner at its three corners.
 fn phases(face: &[Corner; 3]) -> [Vec2; 3] {
-    let strongest = face.iter().fold(&face[0], |a, b| if b.amplitude_m > a.amplitude_m { b } else { a });
-    face.map(|c| Scale::Phase.uv((strongest.phase + strongest.wave.dot(&(c.position - strongest.position))) / TAU))
+    let strongest =
+        face.iter().fold(&face[0], |a, b| if b.amplitude_m > a.amplitude_m { b } else { a });
+    face.map(|c| {
+        Scale::Phase
+            .uv((strongest.phase + strongest.wave.dot(&(c.position - strongest.position))) / TAU)
+    })
 }
 
-/// Strain (ratio of lengths − 1) of `face` along its principal directions, the lesser first; zeros for faces without an area at rest.
+/// Strain (ratio of lengths − 1) of `face` along its principal directions, the lesser first; zeros
+/// for faces without an area at rest.
 pub fn principal_strain(rest: &[Vec3], posed: &[Vec3], face: &[u32; 3]) -> [f32; 2] {
     let flat = |x: &[Vec3]| {
         let [a, b, c] = face.map(|v| x[v as usize]);

@@ -1,5 +1,6 @@
-//! What is ordered, what draws it ([`Bench`]: the real-time stages, then the [`Pencil`]), and the sheet that comes back. [`Easel`] is the thread on
-//! which that is done, so that no frame of the window ever waits for it; where there are no threads it is done at once.
+//! What is ordered, what draws it ([`Bench`]: the real-time stages, then the [`Pencil`]), and the
+//! sheet that comes back. [`Easel`] is the thread on which that is done, so that no frame of the
+//! window ever waits for it; where there are no threads it is done at once.
 
 use std::sync::Arc;
 
@@ -137,7 +138,13 @@ pub struct Bench {
 impl Bench {
     /// Before the first picture.
     pub fn new(graphics: Graphics) -> Self {
-        Self { pencil: Pencil::new(graphics), texture: None, subject: None, state: LiveState::default(), time_s: 0.0 }
+        Self {
+            pencil: Pencil::new(graphics),
+            texture: None,
+            subject: None,
+            state: LiveState::default(),
+            time_s: 0.0,
+        }
     }
 
     /// Draws one picture.
@@ -154,7 +161,14 @@ impl Bench {
             Shown::Live { subject, options, clip, time_s } => {
                 let drawn = self.step(order, (subject, options, clip.as_deref(), *time_s), &mut ms);
                 let begun = Instant::now();
-                let wrinkled = gather(&subject.model, &subject.unified, &self.state.posed, &drawn, &self.state.crushed, &self.state.phase);
+                let wrinkled = gather(
+                    &subject.model,
+                    &subject.unified,
+                    &self.state.posed,
+                    &drawn,
+                    &self.state.crushed,
+                    &self.state.phase,
+                );
                 ms[3] = milliseconds(begun);
                 let state = Arc::new(self.state.clone());
                 let scene = Scene {
@@ -166,10 +180,16 @@ impl Bench {
                     layer: &order.layer,
                     eye: order.camera.eye,
                 };
-                let error = mean_phase_error(&subject.unified, &state.posed.positions, &state.crushed, &state.phase);
+                let error = mean_phase_error(
+                    &subject.unified,
+                    &state.posed.positions,
+                    &state.crushed,
+                    &state.phase,
+                );
                 let marks = marks(order, &scene, &state.crushed.wave, &state.crushed.strength);
                 let mut sheet = self.paint(order, &scene, None, Arc::new(state.posed.clone()), ms);
-                (sheet.phase_error, sheet.marks, sheet.state) = (error, marks, Some(Arc::clone(&state)));
+                (sheet.phase_error, sheet.marks, sheet.state) =
+                    (error, marks, Some(Arc::clone(&state)));
                 sheet
             }
             Shown::Solid(solid) => {
@@ -185,7 +205,8 @@ impl Bench {
                 let most = solid.amplitude_m.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
                 let strength: Vec<f32> = solid.amplitude_m.iter().map(|a| a / most).collect();
                 let marks = marks(order, &scene, &solid.wave, &strength);
-                let mut sheet = self.paint(order, &scene, solid.fine.as_deref(), Arc::clone(&solid.posed), ms);
+                let mut sheet =
+                    self.paint(order, &scene, solid.fine.as_deref(), Arc::clone(&solid.posed), ms);
                 sheet.marks = marks;
                 sheet
             }
@@ -193,7 +214,12 @@ impl Bench {
     }
 
     /// Runs the stages up to a time of a clip; the posed draw vertices.
-    fn step(&mut self, order: &Order, live: (&Arc<Subject>, &LiveOptions, Option<&str>, f32), ms: &mut [f32; 5]) -> Skinned {
+    fn step(
+        &mut self,
+        order: &Order,
+        live: (&Arc<Subject>, &LiveOptions, Option<&str>, f32),
+        ms: &mut [f32; 5],
+    ) -> Skinned {
         let (subject, options, clip, time_s) = live;
         if self.subject.as_ref().is_none_or(|s| !Arc::ptr_eq(s, subject)) {
             self.subject = Some(Arc::clone(subject));
@@ -202,16 +228,24 @@ impl Bench {
         }
         let clip = clip.and_then(|name| subject.model.clip(Some(name)));
         let way = time_s - self.time_s;
-        let steps = if way > 0.0 { ((way * RATE - 1e-3).ceil() as usize).clamp(1, MOST_STEPS) } else { 1 }.max(order.steps);
+        let steps =
+            if way > 0.0 { ((way * RATE - 1e-3).ceil() as usize).clamp(1, MOST_STEPS) } else { 1 }
+                .max(order.steps);
         let from = if way > 0.0 { self.time_s } else { time_s };
         let mut begun = Instant::now();
         for k in 1..=steps {
             let at = from + (time_s - from) * k as f32 / steps as f32;
-            self.state.step_watched(&subject.unified, &pose(&subject.model, clip, at), options, |stage| {
-                let index = ["skin", "crush", "relax"].iter().position(|s| *s == stage).unwrap_or(0);
-                ms[index] += milliseconds(begun);
-                begun = Instant::now();
-            });
+            self.state.step_watched(
+                &subject.unified,
+                &pose(&subject.model, clip, at),
+                options,
+                |stage| {
+                    let index =
+                        ["skin", "crush", "relax"].iter().position(|s| *s == stage).unwrap_or(0);
+                    ms[index] += milliseconds(begun);
+                    begun = Instant::now();
+                },
+            );
         }
         self.time_s = time_s;
         let drawn = skin(&subject.model.draw, &pose(&subject.model, clip, time_s));
@@ -219,12 +253,21 @@ impl Bench {
         drawn
     }
 
-    fn paint(&mut self, order: &Order, scene: &Scene<'_>, fine: Option<&[[Corner; 3]]>, posed: Arc<Skinned>, ms: [f32; 5]) -> Sheet {
+    fn paint(
+        &mut self,
+        order: &Order,
+        scene: &Scene<'_>,
+        fine: Option<&[[Corner; 3]]>,
+        posed: Arc<Skinned>,
+        ms: [f32; 5],
+    ) -> Sheet {
         let (made, scale, legend) = faces(scene, order.view);
         let list = fine.filter(|_| order.view == View::Wrinkled).unwrap_or(&made);
-        let looks = Looks { profile: &order.profile, parallax: order.parallax, colour: order.colour };
+        let looks =
+            Looks { profile: &order.profile, parallax: order.parallax, colour: order.colour };
         let begun = Instant::now();
-        let drawn = self.pencil.draw(list, scale, &looks, &order.camera, (order.size, order.to_memory));
+        let drawn =
+            self.pencil.draw(list, scale, &looks, &order.camera, (order.size, order.to_memory));
         let stage_ms = [ms[0], ms[1], ms[2], ms[3], milliseconds(begun)];
         Sheet {
             image: drawn.image,
@@ -245,7 +288,9 @@ impl Bench {
 fn marks(order: &Order, scene: &Scene<'_>, wave: &[Vec3], strength: &[f32]) -> Vec<Mark> {
     match order.view {
         View::Direction => crests(scene.unified, scene.posed, wave, strength, &order.camera),
-        View::Expansion if order.layer.len() == scene.unified.count() => ellipses(scene.unified, scene.posed, &order.layer, &order.camera),
+        View::Expansion if order.layer.len() == scene.unified.count() => {
+            ellipses(scene.unified, scene.posed, &order.layer, &order.camera)
+        }
         _ => Vec::new(),
     }
 }
@@ -254,10 +299,15 @@ fn milliseconds(begun: Instant) -> f32 {
     begun.elapsed().as_secs_f32() * 1e3
 }
 
-/// The image that `subject` is drawn with: its own, a checked cloth, or one colour where it has no texture coordinates. With a sentence if
-/// its own could not be read.
+/// The image that `subject` is drawn with: its own, a checked cloth, or one colour where it has no
+/// texture coordinates. With a sentence if its own could not be read.
 pub fn texture_of(subject: &Subject) -> (Texture, Option<String>) {
-    match subject.model.base_colour.as_ref().map(|bytes| Texture::decode(&subject.model.name, bytes)) {
+    match subject
+        .model
+        .base_colour
+        .as_ref()
+        .map(|bytes| Texture::decode(&subject.model.name, bytes))
+    {
         Some(Ok(texture)) => (texture, None),
         Some(Err(error)) => (Texture::checked(), Some(format!("{error}; drawn without it"))),
         None if bake::check(&subject.model).is_ok() => (Texture::checked(), None),

@@ -14,7 +14,8 @@ const PARTS: usize = 14;
 /// Height (pixels) of the picture that decides what is hidden.
 const COARSE: usize = 200;
 
-/// A line in the picture: its ends, from (0, 0) at the upper left to (1, 1), and how strong it is, 0 to 1.
+/// A line in the picture: its ends, from (0, 0) at the upper left to (1, 1), and how strong it is,
+/// 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
     /// Its ends.
@@ -34,7 +35,8 @@ impl Depths {
     /// Of `faces` over `positions`.
     pub fn new(camera: &Camera, positions: &[Vec3], faces: &[[u32; 3]]) -> Self {
         let size = [((COARSE as f32 * camera.aspect) as usize).clamp(8, 4 * COARSE), COARSE];
-        let mut depths = Self { size, nearest: vec![f32::INFINITY; size[0] * size[1]], camera: *camera };
+        let mut depths =
+            Self { size, nearest: vec![f32::INFINITY; size[0] * size[1]], camera: *camera };
         let map = camera.clip_from_world();
         let seen: Vec<Option<Vec3>> = positions.iter().map(|p| seen(&map, p)).collect();
         for face in faces {
@@ -46,14 +48,16 @@ impl Depths {
     }
 
     fn cover(&mut self, corners: [Vec3; 3]) {
-        let at = corners.map(|p| Vec3::new(p.x * self.size[0] as f32, p.y * self.size[1] as f32, p.z));
+        let at =
+            corners.map(|p| Vec3::new(p.x * self.size[0] as f32, p.y * self.size[1] as f32, p.z));
         let span = |k: usize| {
             let low = at.iter().fold(f32::INFINITY, |m, p| m.min(p[k]));
             let high = at.iter().fold(f32::NEG_INFINITY, |m, p| m.max(p[k]));
             (low - 0.5).ceil().clamp(0.0, self.size[k] as f32) as usize
                 ..((high - 0.5).floor() + 1.0).clamp(0.0, self.size[k] as f32) as usize
         };
-        let cross = |a: &Vec3, b: &Vec3, x: f32, y: f32| (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
+        let cross =
+            |a: &Vec3, b: &Vec3, x: f32, y: f32| (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
         let area = cross(&at[0], &at[1], at[2].x, at[2].y);
         if area == 0.0 || !area.is_finite() {
             return;
@@ -61,7 +65,8 @@ impl Depths {
         for y in span(1) {
             for x in span(0) {
                 let p = (x as f32 + 0.5, y as f32 + 0.5);
-                let w = [0, 1, 2].map(|k| cross(&at[(k + 1) % 3], &at[(k + 2) % 3], p.0, p.1) / area);
+                let w =
+                    [0, 1, 2].map(|k| cross(&at[(k + 1) % 3], &at[(k + 2) % 3], p.0, p.1) / area);
                 if w.iter().all(|&w| w >= 0.0) {
                     let depth: f32 = (0..3).map(|k| w[k] * at[k].z).sum();
                     let there = &mut self.nearest[y * self.size[0] + x];
@@ -78,7 +83,8 @@ impl Depths {
             return None;
         }
         let (x, y) = ((at.x * self.size[0] as f32) as usize, (at.y * self.size[1] as f32) as usize);
-        // The farthest of the pixels around decides, and a little more, so that nothing hides itself.
+        // The farthest of the pixels around decides, and a little more, so that nothing hides
+        // itself.
         let mut farthest = f32::NEG_INFINITY;
         for j in y.saturating_sub(1)..=(y + 1).min(self.size[1] - 1) {
             for i in x.saturating_sub(1)..=(x + 1).min(self.size[0] - 1) {
@@ -87,14 +93,17 @@ impl Depths {
         }
         let [near, far] = self.camera.depth;
         let metres = |z: f32| near * far / (far - z * (far - near));
-        (metres(at.z) <= metres(farthest.min(1.0)) + 0.01 * (far - near)).then_some(Vec2::new(at.x, at.y))
+        (metres(at.z) <= metres(farthest.min(1.0)) + 0.01 * (far - near))
+            .then_some(Vec2::new(at.x, at.y))
     }
 }
 
 /// Place in the picture (0 to 1) and depth of `p`; `None` behind the viewer.
 fn seen(map: &plisse_live::Mat4, p: &Vec3) -> Option<Vec3> {
     let clip = map * p.push(1.0);
-    (clip.w > 1e-6).then(|| Vec3::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w, clip.z / clip.w))
+    (clip.w > 1e-6).then(|| {
+        Vec3::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w, clip.z / clip.w)
+    })
 }
 
 /// Vertices that get a mark: all of few, else evenly chosen ones.
@@ -114,20 +123,35 @@ fn half_edge_m(unified: &Unified, positions: &[Vec3]) -> f32 {
 }
 
 /// Which way crests run at each vertex: lines across the wave vectors.
-pub fn crests(unified: &Unified, posed: &Skinned, wave: &[Vec3], strength: &[f32], camera: &Camera) -> Vec<Mark> {
+pub fn crests(
+    unified: &Unified,
+    posed: &Skinned,
+    wave: &[Vec3],
+    strength: &[f32],
+    camera: &Camera,
+) -> Vec<Mark> {
     let depths = Depths::new(camera, &posed.positions, &unified.faces);
     let half_m = half_edge_m(unified, &posed.positions);
     let mark = |v: usize| {
         let along = posed.normals[v].cross(&wave[v]).try_normalize(1e-12)?;
         let (p, d) = (posed.positions[v], along * half_m);
         depths.visible(&p)?;
-        Some(Mark { ends: [depths.place(&(p - d))?, depths.place(&(p + d))?], strength: strength[v].clamp(0.0, 1.0) })
+        Some(Mark {
+            ends: [depths.place(&(p - d))?, depths.place(&(p + d))?],
+            strength: strength[v].clamp(0.0, 1.0),
+        })
     };
     chosen(unified.count()).filter(|&v| strength[v] > 0.0).filter_map(mark).collect()
 }
 
-/// Expansion as ellipses: a small circle grows by what its vertex shall grow; nothing where nothing shall.
-pub fn ellipses(unified: &Unified, posed: &Skinned, expansion: &[[f32; 4]], camera: &Camera) -> Vec<Mark> {
+/// Expansion as ellipses: a small circle grows by what its vertex shall grow; nothing where nothing
+/// shall.
+pub fn ellipses(
+    unified: &Unified,
+    posed: &Skinned,
+    expansion: &[[f32; 4]],
+    camera: &Camera,
+) -> Vec<Mark> {
     let depths = Depths::new(camera, &posed.positions, &unified.faces);
     let radius_m = 0.5 * half_edge_m(unified, &posed.positions);
     let mut marks = Vec::new();
@@ -139,7 +163,9 @@ pub fn ellipses(unified: &Unified, posed: &Skinned, expansion: &[[f32; 4]], came
         }
         let n = posed.normals[v];
         let other = if n.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
-        let along = (grows - n * n.dot(&grows)).try_normalize(1e-9).or_else(|| n.cross(&other).try_normalize(1e-9));
+        let along = (grows - n * n.dot(&grows))
+            .try_normalize(1e-9)
+            .or_else(|| n.cross(&other).try_normalize(1e-9));
         let Some(along) = along else { continue };
         let across = n.cross(&along);
         let (a, b) = (radius_m * (1.0 + grows.norm() + all), radius_m * (1.0 + all));
@@ -174,7 +200,13 @@ mod tests {
         let x = &unified.vertices.positions;
         let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.5);
         let depths = Depths::new(&camera, x, &unified.faces);
-        let visible = |front: bool| x.iter().filter(|p| (0.04 < p.z) == front && p.z.abs() > 0.04 && depths.visible(p).is_some()).count();
+        let visible = |front: bool| {
+            x.iter()
+                .filter(|p| {
+                    (0.04 < p.z) == front && p.z.abs() > 0.04 && depths.visible(p).is_some()
+                })
+                .count()
+        };
         assert!(visible(true) > 100, "{}", visible(true));
         assert!(visible(false) < 20, "{}", visible(false));
     }

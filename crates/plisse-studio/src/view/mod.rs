@@ -1,5 +1,5 @@
-//! What is seen: the camera ([`turntable`]), what faces carry in each view ([`corners`], [`colours`]), lines over them ([`marks`]), and the
-//! thread that draws ([`easel`]).
+//! What is seen: the camera ([`turntable`]), what faces carry in each view ([`corners`],
+//! [`colours`]), lines over them ([`marks`]), and the thread that draws ([`easel`]).
 
 #[cfg(target_arch = "wasm32")]
 mod at_once;
@@ -41,8 +41,15 @@ pub enum View {
 
 impl View {
     /// Those of the menu, in its order.
-    pub const MAIN: [Self; 7] =
-        [Self::Wrinkled, Self::Wireframe, Self::Strain, Self::Amplitude, Self::Phase, Self::Direction, Self::Expansion];
+    pub const MAIN: [Self; 7] = [
+        Self::Wrinkled,
+        Self::Wireframe,
+        Self::Strain,
+        Self::Amplitude,
+        Self::Phase,
+        Self::Direction,
+        Self::Expansion,
+    ];
 
     /// Its name for people.
     pub fn name(self) -> &'static str {

@@ -1,4 +1,5 @@
-//! The thread that draws. It always works on the newest order; what the window shows is the last sheet that came back.
+//! The thread that draws. It always works on the newest order; what the window shows is the last
+//! sheet that came back.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex};
@@ -64,7 +65,12 @@ impl Drop for Easel {
     }
 }
 
-fn draw_all(mailbox: &Mailbox, send: &Sender<Sheet>, graphics: Graphics, wake: &(impl Fn() + Send)) {
+fn draw_all(
+    mailbox: &Mailbox,
+    send: &Sender<Sheet>,
+    graphics: Graphics,
+    wake: &(impl Fn() + Send),
+) {
     let mut bench = Bench::new(graphics);
     loop {
         let Ok(mut newest) = mailbox.newest.lock() else { return };

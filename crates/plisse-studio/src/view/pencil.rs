@@ -1,5 +1,5 @@
-//! Draws faces on the GPU, or by the twin where there is none or it was lost. The work is kept either way: everything that is drawn
-//! comes from the processor's memory.
+//! Draws faces on the GPU, or by the twin where there is none or it was lost. The work is kept
+//! either way: everything that is drawn comes from the processor's memory.
 
 use plisse::picture::Image;
 use plisse_gpu::{Average, Faces, Gpu, Painter, wgpu};
@@ -13,8 +13,11 @@ use super::colours::Scale;
 /// What the twins are called where a device's name stands.
 pub const TWINS: &str = "no GPU: drawn by the processor";
 
-/// Shows a texture of the window's adapter in the window, in place of the one that was shown there before.
-pub type Hang = std::sync::Arc<dyn Fn(&wgpu::TextureView, Option<egui::TextureId>) -> egui::TextureId + Send + Sync>;
+/// Shows a texture of the window's adapter in the window, in place of the one that was shown there
+/// before.
+pub type Hang = std::sync::Arc<
+    dyn Fn(&wgpu::TextureView, Option<egui::TextureId>) -> egui::TextureId + Send + Sync,
+>;
 
 /// What may draw.
 pub enum Graphics {
@@ -22,7 +25,8 @@ pub enum Graphics {
     Processor,
     /// An adapter of the pencil's own, where there is one; pictures come back into memory.
     Own,
-    /// The window's; pictures stay on it. So it is in browsers, which let nobody wait for a picture.
+    /// The window's; pictures stay on it. So it is in browsers, which let nobody wait for a
+    /// picture.
     Window(Gpu, Hang),
 }
 
@@ -55,7 +59,8 @@ struct Device {
     faces: Option<Faces>,
     /// For the last two sizes of pictures, with what keeps them on the adapter.
     painters: Vec<([usize; 2], Painter, Option<Average>)>,
-    /// Where pictures stay on the adapter: how they come into the window, and as which of its textures.
+    /// Where pictures stay on the adapter: how they come into the window, and as which of its
+    /// textures.
     window: Option<(Hang, Option<egui::TextureId>)>,
 }
 
@@ -101,7 +106,8 @@ impl Pencil {
         }
     }
 
-    /// Draws `faces` with the colours of `scale` on `size` (width, height) pixels; `to_memory`: whether the pixels have to come back.
+    /// Draws `faces` with the colours of `scale` on `size` (width, height) pixels; `to_memory`:
+    /// whether the pixels have to come back.
     pub fn draw(
         &mut self,
         faces: &[[Corner; 3]],
@@ -115,19 +121,26 @@ impl Pencil {
         let parallax = look.parallax && !plain;
         // As bright as the legend, in the light that falls on it.
         let colour = if plain { plisse_live::Vec3::repeat(1.2) } else { look.colour };
-        let look = Look { profile: look.profile, texture: &self.textures[texture], colour, parallax };
+        let look =
+            Look { profile: look.profile, texture: &self.textures[texture], colour, parallax };
         // What stays on the adapter cannot be had from there at once: the twin draws it too.
         if let Some(device) = self.device.as_mut().filter(|d| !to_memory || d.window.is_none()) {
             match device.draw(&self.textures, faces, texture, &look, camera, size) {
                 Ok(drawn) => return drawn,
                 Err(error) => {
-                    self.message = Some(format!("{error}. The picture is drawn by the processor from now on; nothing of the work is lost"));
+                    self.message = Some(format!(
+                        "{error}. The picture is drawn by the processor from now on; nothing of \
+                         the work is lost"
+                    ));
                     self.device = None;
                 }
             }
         }
         let texture = &self.textures[texture];
-        Drawn { image: draw::draw(faces, &Look { texture, ..look }, camera, size).image, texture: None }
+        Drawn {
+            image: draw::draw(faces, &Look { texture, ..look }, camera, size).image,
+            texture: None,
+        }
     }
 }
 
@@ -165,12 +178,17 @@ impl Device {
             let average = self.window.is_some().then(|| Average::new(&self.gpu, &painter));
             self.painters.insert(0, (size, painter, average));
         }
-        let Some((_, painter, average)) = self.painters.iter().find(|p| p.0 == size) else { return Err(lost()) };
+        let Some((_, painter, average)) = self.painters.iter().find(|p| p.0 == size) else {
+            return Err(lost());
+        };
         let Some(faces) = &self.faces else { return Err(lost()) };
         painter.draw_faces(&self.gpu, faces, texture, camera, look)?;
         if let (Some(average), Some((hang, texture))) = (average, &mut self.window) {
             *texture = Some(hang(average.picture(&self.gpu), *texture));
-            return Ok(Drawn { image: Image { width: size[0], height: size[1], pixels: Vec::new() }, texture: *texture });
+            return Ok(Drawn {
+                image: Image { width: size[0], height: size[1], pixels: Vec::new() },
+                texture: *texture,
+            });
         }
         Ok(Drawn { image: painter.read(&self.gpu)?.image, texture: None })
     }

@@ -1,11 +1,13 @@
-//! A camera on a turntable: it goes round a point, up and down, nearer and farther; the sky stays up.
+//! A camera on a turntable: it goes round a point, up and down, nearer and farther; the sky stays
+//! up.
 
 use plisse_live::Vec3;
 use plisse_live::camera::Camera;
 
 use crate::document::subject::bounds;
 
-/// Half the tangent of the camera's opening angle, measured once from a camera that [`Camera::fit`] made.
+/// Half the tangent of the camera's opening angle, measured once from a camera that [`Camera::fit`]
+/// made.
 fn half_height(camera: &Camera) -> f32 {
     // Clip y of a point one unit above the middle, at the distance 1, is 1/tan.
     1.0 / camera.clip_from_world().fixed_view::<1, 3>(1, 0).norm()
@@ -46,7 +48,12 @@ impl Turntable {
         let back = self.back();
         let reach = 2.5 * self.radius_m + (self.distance_m * 0.05);
         let near = (self.distance_m - reach).max(5e-3 * self.distance_m);
-        Camera { eye: self.target + back * self.distance_m, target: self.target, depth: [near, self.distance_m + reach], aspect }
+        Camera {
+            eye: self.target + back * self.distance_m,
+            target: self.target,
+            depth: [near, self.distance_m + reach],
+            aspect,
+        }
     }
 
     /// Unit vector from the point to the eye.
@@ -73,7 +80,8 @@ impl Turntable {
     /// Everything `factor` times as large.
     pub fn zoom(&mut self, factor: f32) {
         if factor.is_finite() && factor > 0.0 {
-            self.distance_m = (self.distance_m / factor).clamp(1e-2 * self.radius_m, 1e2 * self.radius_m);
+            self.distance_m =
+                (self.distance_m / factor).clamp(1e-2 * self.radius_m, 1e2 * self.radius_m);
         }
     }
 }
@@ -89,10 +97,15 @@ mod tests {
 
     #[test]
     fn what_fits_stays_in_the_picture_while_it_turns() {
-        let points: Vec<Vec3> = (0..27).map(|i| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32)).collect();
+        let points: Vec<Vec3> = (0..27)
+            .map(|i| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32))
+            .collect();
         let mut table = Turntable::fit(&points, 0.5, 0.3, 1.4);
         let inside = |table: &Turntable| {
-            points.iter().map(|p| seen(&table.camera(1.4), p)).all(|c| c.x.abs() < 1.2 && c.y.abs() < 1.2 && (0.0..1.0).contains(&c.z))
+            points
+                .iter()
+                .map(|p| seen(&table.camera(1.4), p))
+                .all(|c| c.x.abs() < 1.2 && c.y.abs() < 1.2 && (0.0..1.0).contains(&c.z))
         };
         assert!(inside(&table));
         for _ in 0..7 {

@@ -1,5 +1,5 @@
-//! What is taken away: wrinkled geometry, maps, the field, pictures, painted layers. Every file is written aside and renamed, so that a full disk
-//! or a crash leaves what was there before.
+//! What is taken away: wrinkled geometry, maps, the field, pictures, painted layers. Every file is
+//! written aside and renamed, so that a full disk or a crash leaves what was there before.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,11 +62,18 @@ impl Source {
     }
 }
 
-/// Writes `kind` of `source` to `path`: a file, or a folder for [`Kind::Maps`], [`Kind::Paint`] and [`Kind::SceneFiles`]; the paths written.
+/// Writes `kind` of `source` to `path`: a file, or a folder for [`Kind::Maps`], [`Kind::Paint`] and
+/// [`Kind::SceneFiles`]; the paths written.
 ///
 /// # Errors
 /// [`Error::File`] if something cannot be written; [`Error::Value`] for what is not there to write.
-pub fn write<T: Send>(kind: Kind, source: &Source, path: &Path, size: usize, reporter: &Reporter<T>) -> Result<Vec<PathBuf>> {
+pub fn write<T: Send>(
+    kind: Kind,
+    source: &Source,
+    path: &Path,
+    size: usize,
+    reporter: &Reporter<T>,
+) -> Result<Vec<PathBuf>> {
     reporter.stage("files", None);
     match kind {
         Kind::Surface => surface(source, path),
@@ -75,24 +82,37 @@ pub fn write<T: Send>(kind: Kind, source: &Source, path: &Path, size: usize, rep
         Kind::Paint => paint(source.document(), path, size),
         Kind::SceneFiles => match &source.document().subject.scene {
             Some(scene) => super::scene_files::write(scene, path, reporter),
-            None => Err(Error::value("take away", "this model came from no scene; open a scene file (.toml) for that")),
+            None => Err(Error::value(
+                "take away",
+                "this model came from no scene; open a scene file (.toml) for that",
+            )),
         },
     }
 }
 
-/// Plays the document's clip to its time from the beginning, as the command line does: what comes out does not depend on what
-/// was looked at before.
+/// Plays the document's clip to its time from the beginning, as the command line does: what comes
+/// out does not depend on what was looked at before.
 fn played(document: &Document) -> Result<(LiveState, Skinned, LiveOptions)> {
     let (subject, options) = (&document.subject, document.live_options());
-    let mut player = Player::new(&subject.model, &subject.unified, &options, document.settings.clip.as_deref())?;
-    let drawn = player.play_to(if document.settings.clip.is_some() { document.settings.time_s } else { 0.0 });
+    let mut player =
+        Player::new(&subject.model, &subject.unified, &options, document.settings.clip.as_deref())?;
+    let drawn = player.play_to(if document.settings.clip.is_some() {
+        document.settings.time_s
+    } else {
+        0.0
+    });
     let state = player.state.clone();
     Ok((state, drawn, options))
 }
 
-fn one_file(path: &Path, write: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>) -> Result<Vec<PathBuf>> {
+fn one_file(
+    path: &Path,
+    write: impl FnOnce(&mut dyn std::io::Write) -> std::io::Result<()>,
+) -> Result<Vec<PathBuf>> {
     let name = path.file_name().and_then(|n| n.to_str());
-    let name = name.ok_or_else(|| Error::value(path.display().to_string(), "it names no file; give a file name"))?;
+    let name = name.ok_or_else(|| {
+        Error::value(path.display().to_string(), "it names no file; give a file name")
+    })?;
     let mut folder = OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
     folder.write(name, write)?;
     folder.commit()
@@ -107,9 +127,13 @@ struct Plain {
 }
 
 fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let extension =
+        path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     if !["obj", "ply", "glb"].contains(&extension.as_str()) {
-        return Err(Error::value(path.display().to_string(), "its name says no format; let it end in .obj, .ply or .glb"));
+        return Err(Error::value(
+            path.display().to_string(),
+            "its name says no format; let it end in .obj, .ply or .glb",
+        ));
     }
     let plain = match source {
         Source::Live(document) => {
@@ -122,10 +146,15 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
             if extension == "glb" {
                 return one_file(path, |out| write_still(out, &subject.model, &fine));
             }
-            let wide = |x: &plisse_live::Vec3| Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
+            let wide =
+                |x: &plisse_live::Vec3| Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
             let faces: Vec<[usize; 3]> = fine.faces.iter().map(|f| f.map(|v| v as usize)).collect();
             // OBJ's v points up.
-            let uvs = fine.uvs.iter().map(|uv| Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y))).collect();
+            let uvs = fine
+                .uvs
+                .iter()
+                .map(|uv| Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y)))
+                .collect();
             Plain {
                 positions: fine.positions.iter().map(wide).collect(),
                 normals: fine.normals.iter().map(wide).collect(),
@@ -138,7 +167,9 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
             let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
             plain(&wrinkled.fine.topology, &wrinkled.positions)
         }
-        Source::Grown(grown, document) if document.subject.scene.is_some() => plain(&grown.topology, &grown.pose),
+        Source::Grown(grown, document) if document.subject.scene.is_some() => {
+            plain(&grown.topology, &grown.pose)
+        }
         Source::Grown(grown, _) => {
             // The model's own axes.
             let back = |p: &Vec3| {
@@ -155,7 +186,12 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
         "ply" => one_file(path, |out| ply::write(out, &plain.positions, &plain.faces, &[])),
         _ => {
             let up = if z_up { glb::UpAxis::Z } else { glb::UpAxis::Y };
-            let mesh = glb::Mesh { positions: &plain.positions, normals: &plain.normals, faces: &plain.faces, texture };
+            let mesh = glb::Mesh {
+                positions: &plain.positions,
+                normals: &plain.normals,
+                faces: &plain.faces,
+                texture,
+            };
             one_file(path, |out| glb::write(out, &mesh, CLOTH, up))
         }
     }
@@ -170,21 +206,31 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     let Source::Live(document) = source else {
         return Err(Error::value(
             "maps",
-            "they are baked from live waves here; take the scene's files away and run plisse bake on their folder",
+            "they are baked from live waves here; take the scene's files away and run plisse bake \
+             on their folder",
         ));
     };
     let subject = &document.subject;
     let (state, drawn, options) = played(document)?;
     let profile = document.settings.profile.profile();
-    let baked = bake::bake(&subject.model, &subject.unified, &drawn, &state, &profile, &Options { size, padding: PADDING })?;
-    let scale_m = f64::from(bake::largest_height_m(&options.wavelength_m, &profile)).max(f64::MIN_POSITIVE);
+    let baked = bake::bake(
+        &subject.model,
+        &subject.unified,
+        &drawn,
+        &state,
+        &profile,
+        &Options { size, padding: PADDING },
+    )?;
+    let scale_m =
+        f64::from(bake::largest_height_m(&options.wavelength_m, &profile)).max(f64::MIN_POSITIVE);
     let mut folder = OutputFolder::create(path)?;
     folder.write("normal.png", |out| png16::write_normal(out, &baked))?;
     folder.write("height.png", |out| png16::write_height(out, &baked, scale_m))?;
     if !options.bias.is_empty() {
         folder.write("bias.json", |out| bias::write(out, &options.bias))?;
     }
-    folder.write("command.txt", |out| out.write_all(command(document, &options, size).as_bytes()))?;
+    folder
+        .write("command.txt", |out| out.write_all(command(document, &options, size).as_bytes()))?;
     folder.commit()
 }
 
@@ -195,13 +241,18 @@ fn command(document: &Document, options: &LiveOptions, size: usize) -> String {
         crate::document::Source::Own(name) => name.clone(),
         crate::document::Source::File(path) => path.display().to_string(),
     };
-    let mut words = vec![format!("plisse bake \"{model}\" --wavelength {} --size {size}", settings.wavelength_m)];
+    let mut words = vec![format!(
+        "plisse bake \"{model}\" --wavelength {} --size {size}",
+        settings.wavelength_m
+    )];
     if let Some(clip) = &settings.clip {
         words.push(format!("--clip \"{clip}\" --time {}", settings.time_s));
     }
     match &settings.profile {
         crate::document::settings::ProfileChoice::Sine => {}
-        crate::document::settings::ProfileChoice::Accordion => words.push("--profile accordion".into()),
+        crate::document::settings::ProfileChoice::Accordion => {
+            words.push("--profile accordion".into())
+        }
         crate::document::settings::ProfileChoice::Pencil => words.push("--profile pencil".into()),
         crate::document::settings::ProfileChoice::Heights(list) => {
             let list: Vec<String> = list.iter().map(f32::to_string).collect();
@@ -214,27 +265,40 @@ fn command(document: &Document, options: &LiveOptions, size: usize) -> String {
     }
     let mut text = words.join(" ") + "\n";
     if document.layers.is_painted(Layer::Wavelength) {
-        text += "# The painted wavelength is not in this command: export the paint maps and add --wavelength-map wavelength.png\n";
+        text += "# The painted wavelength is not in this command: export the paint maps and add \
+            --wavelength-map wavelength.png\n";
     }
     text
 }
 
 fn field(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
     match source {
-        Source::Solved(solved, _) => one_file(path, |out| plisse::field::json::write(out, &solved.built.topology, &solved.field)),
+        Source::Solved(solved, _) => one_file(path, |out| {
+            plisse::field::json::write(out, &solved.built.topology, &solved.field)
+        }),
         Source::Live(document) => {
             let subject = &document.subject;
             let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;
             let (state, ..) = played(document)?;
-            let field = plisse_live::field::to_field(&topology, &subject.unified, &state.posed.positions, &state.crushed, &state.phase);
+            let field = plisse_live::field::to_field(
+                &topology,
+                &subject.unified,
+                &state.posed.positions,
+                &state.crushed,
+                &state.phase,
+            );
             one_file(path, |out| plisse::field::json::write(out, &topology, &field))
         }
-        Source::Grown(..) => Err(Error::value("field", "what has grown is geometry itself and has no field; take the surface away")),
+        Source::Grown(..) => Err(Error::value(
+            "field",
+            "what has grown is geometry itself and has no field; take the surface away",
+        )),
     }
 }
 
 fn paint(document: &Document, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
-    let painted: Vec<Layer> = Layer::ALL.into_iter().filter(|&l| document.layers.is_painted(l)).collect();
+    let painted: Vec<Layer> =
+        Layer::ALL.into_iter().filter(|&l| document.layers.is_painted(l)).collect();
     if painted.is_empty() {
         return Err(Error::value("paint maps", "nothing is painted; paint something first"));
     }

@@ -1,7 +1,9 @@
-//! Folding under the brush: what is painted is followed by the local solve of growth, in the background, a piece of work at a time.
+//! Folding under the brush: what is painted is followed by the local solve of growth, in the
+//! background, a piece of work at a time.
 //!
-//! The painted layers are what counts: whatever differs between them and what was followed so far grows in small steps, and then comes to rest.
-//! A stroke that is taken back is restored to the bit.
+//! The painted layers are what counts: whatever differs between them and what was followed so far
+//! grows in small steps, and then comes to rest. A stroke that is taken back is restored to the
+//! bit.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +23,8 @@ use crate::view::Solid;
 
 /// Largest factor of length by which a place grows before its surroundings follow.
 const STEP: f64 = 1.1;
-/// Newton iterations of a bout of coming to rest, after which it is shown; and how many bouts there are at most.
+/// Newton iterations of a bout of coming to rest, after which it is shown; and how many bouts there
+/// are at most.
 const BOUT: usize = 8;
 const MOST_BOUTS: usize = 25;
 
@@ -59,7 +62,12 @@ struct Desk {
 impl Desk {
     /// Follows the newest layers, or comes nearer to rest where there are none.
     fn work(&self) -> Result<Folded> {
-        let lost = || plisse::Error::value("fold under the brush", "it made a mistake before and stopped; switch it off and on again");
+        let lost = || {
+            plisse::Error::value(
+                "fold under the brush",
+                "it made a mistake before and stopped; switch it off and on again",
+            )
+        };
         let mut follower = self.follower.lock().map_err(|_| lost())?;
         if let Some((document, grown)) = self.document.lock().map_err(|_| lost())?.take() {
             *follower = Some(Follower::new(&document, grown.as_deref())?);
@@ -90,9 +98,13 @@ pub struct Fold {
 }
 
 impl Fold {
-    /// Goes on from `document`, and from what it has `grown` to if something has; `wake` is called when there is news. If that cannot be, this is
-    /// the news.
-    pub fn start(document: Document, grown: Option<Arc<Grown>>, wake: Arc<dyn Fn() + Send + Sync>) -> Self {
+    /// Goes on from `document`, and from what it has `grown` to if something has; `wake` is called
+    /// when there is news. If that cannot be, this is the news.
+    pub fn start(
+        document: Document,
+        grown: Option<Arc<Grown>>,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Self {
         let desk = Desk {
             document: Mutex::new(Some((document, grown))),
             follower: Mutex::default(),
@@ -135,8 +147,12 @@ impl Fold {
         let (desk, wake) = (Arc::clone(&self.desk), Arc::clone(&self.wake));
         spawn("fold", move || {
             let folded = catch_unwind(AssertUnwindSafe(|| apart(|| desk.work())));
-            let broken =
-                |_| Err(plisse::Error::value("fold under the brush", "the program made a mistake; save your work and report what you did"));
+            let broken = |_| {
+                Err(plisse::Error::value(
+                    "fold under the brush",
+                    "the program made a mistake; save your work and report what you did",
+                ))
+            };
             if let Ok(mut out) = desk.out.lock() {
                 *out = Some(folded.unwrap_or_else(broken));
             }
@@ -172,7 +188,8 @@ pub struct Follower {
     spacing_m: f64,
     coherence_m: f64,
     done: Vec<Done>,
-    /// Bouts of coming to rest that are left since something was painted last; none after something was taken back.
+    /// Bouts of coming to rest that are left since something was painted last; none after something
+    /// was taken back.
     bouts: usize,
 }
 
@@ -180,17 +197,20 @@ impl Follower {
     /// Goes on from `document`, and from what it has `grown` to if something has.
     ///
     /// # Errors
-    /// As [`Sculpture::new`]; [`plisse::Error::Value`] if something is painted that has not grown yet, or has grown on another mesh.
+    /// As [`Sculpture::new`]; [`plisse::Error::Value`] if something is painted that has not grown
+    /// yet, or has grown on another mesh.
     pub fn new(document: &Document, grown: Option<&Grown>) -> Result<Self> {
         if grown.is_none() && document.layers.is_painted(Layer::Expansion) {
-            let message = "what is painted already has not grown yet; press Grow the whole, then the brush goes on from there";
+            let message = "what is painted already has not grown yet; press Grow the whole, then \
+                the brush goes on from there";
             return Err(plisse::Error::value("fold under the brush", message));
         }
         let sheet = grow::painted(document)?;
         let growing = sheet.growing();
         let pose = match grown {
             Some(grown) if grown.topology.faces != growing.topology.faces => {
-                let message = "what has grown has another mesh than the model; undo growth.remesh in its scene, or paint before it grows";
+                let message = "what has grown has another mesh than the model; undo growth.remesh \
+                    in its scene, or paint before it grows";
                 return Err(plisse::Error::value("fold under the brush", message));
             }
             Some(grown) => grown.pose.clone(),
@@ -203,7 +223,12 @@ impl Follower {
             held: sheet.held.clone(),
             spacing_m: document.settings.fold_spacing_m,
             coherence_m: document.settings.coherence_m,
-            sculpture: Sculpture::new(&growing, pose, GrowthOptions { iteration_limit: BOUT, ..sheet.options.clone() }, brush)?,
+            sculpture: Sculpture::new(
+                &growing,
+                pose,
+                GrowthOptions { iteration_limit: BOUT, ..sheet.options.clone() },
+                brush,
+            )?,
             done: Vec::new(),
             bouts: 0,
         })
@@ -254,14 +279,18 @@ impl Follower {
     /// Grows what differs, in steps.
     fn paint(&mut self, wanted: &Wanted) -> Result<Option<StepReport>> {
         let to = |v: usize| Numbers::of(&wanted.layers, v);
-        let differing: Vec<usize> = (0..self.numbers.len()).filter(|&v| self.numbers[v] != to(v)).collect();
-        let factor = differing.iter().map(|&v| self.numbers[v].growth_to(&to(v))).fold(1.0, f64::max);
+        let differing: Vec<usize> =
+            (0..self.numbers.len()).filter(|&v| self.numbers[v] != to(v)).collect();
+        let factor =
+            differing.iter().map(|&v| self.numbers[v].growth_to(&to(v))).fold(1.0, f64::max);
         let steps = (factor.ln() / STEP.ln()).ceil().clamp(1.0, 64.0) as usize;
         let (mut all, mut last) = (Change::default(), None);
         for k in 1..=steps {
             let share = k as f64 / steps as f64;
-            let values: Vec<(usize, Painted)> =
-                differing.iter().map(|&v| (v, self.painted(v, &self.numbers[v].towards(&to(v), share)))).collect();
+            let values: Vec<(usize, Painted)> = differing
+                .iter()
+                .map(|&v| (v, self.painted(v, &self.numbers[v].towards(&to(v), share))))
+                .collect();
             match self.sculpture.paint(&values) {
                 Ok((change, report)) => {
                     all = all.then(change);
@@ -274,7 +303,11 @@ impl Follower {
             }
         }
         if !differing.is_empty() {
-            self.keep(wanted.strokes, all, differing.iter().map(|&v| (v, self.numbers[v])).collect());
+            self.keep(
+                wanted.strokes,
+                all,
+                differing.iter().map(|&v| (v, self.numbers[v])).collect(),
+            );
             differing.iter().for_each(|&v| self.numbers[v] = to(v));
             self.bouts = MOST_BOUTS;
         }

@@ -1,9 +1,13 @@
-//! Growth in the background: what was painted, or what a scene says, step by step, with every step shown.
+//! Growth in the background: what was painted, or what a scene says, step by step, with every step
+//! shown.
 
 use std::sync::Arc;
 
 use plisse::growth::expansion::Growth;
-use plisse::growth::{Expansion, Growing, GrowthMaps, GrowthOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
+use plisse::growth::{
+    Expansion, Growing, GrowthMaps, GrowthOptions, GrowthReport, StepReport, Surface,
+    grow_adapting, grow_each,
+};
 use plisse::mesh::{Mat2, Topology, Vec3};
 use plisse::progress::Observer;
 use plisse::rest::RestMetric;
@@ -78,7 +82,11 @@ impl Numbers {
         let (longer, all) = ((1.0 + direction.norm()).powi(2), (1.0 + f64::from(all)).powi(2));
         let flat = direction - normal * normal.dot(&direction);
         match flat.try_normalize(1e-6 * direction.norm()) {
-            Some(along) if longer != 1.0 => Growth { along, across: normal.cross(&along), form: Mat2::new(longer * all, 0.0, 0.0, all) },
+            Some(along) if longer != 1.0 => Growth {
+                along,
+                across: normal.cross(&along),
+                form: Mat2::new(longer * all, 0.0, 0.0, all),
+            },
             _ => Growth { form: Mat2::identity() * all, ..*frame },
         }
     }
@@ -97,11 +105,22 @@ impl Numbers {
 
     /// Largest factor, up or down, by which some length changes from this to `to`.
     pub(super) fn growth_to(&self, to: &Self) -> f64 {
-        let direction = |n: &Self| Vec3::new(f64::from(n.expansion[0]), f64::from(n.expansion[1]), f64::from(n.expansion[2]));
+        let direction = |n: &Self| {
+            Vec3::new(
+                f64::from(n.expansion[0]),
+                f64::from(n.expansion[1]),
+                f64::from(n.expansion[2]),
+            )
+        };
         let along = |n: &Self| 1.0 + direction(n).norm();
         let all = |n: &Self| 1.0 + f64::from(n.expansion[3]);
-        let parallel = direction(self).cross(&direction(to)).norm() <= 1e-3 * direction(self).norm() * direction(to).norm();
-        let lengths = if parallel { along(self).max(along(to)) / along(self).min(along(to)) } else { along(self).max(along(to)) };
+        let parallel = direction(self).cross(&direction(to)).norm()
+            <= 1e-3 * direction(self).norm() * direction(to).norm();
+        let lengths = if parallel {
+            along(self).max(along(to)) / along(self).min(along(to))
+        } else {
+            along(self).max(along(to))
+        };
         lengths * all(self).max(all(to)) / all(self).min(all(to))
     }
 
@@ -163,7 +182,8 @@ pub fn plan(document: &Document) -> Result<Plan> {
     if let (Some(scene), false) = (&subject.scene, painted) {
         let built = build_growth(&scene.scene)?;
         if built.mode == Mode::Reference {
-            let message = "the window folds by energy only; remove growth.mode, or run plisse grow on the scene";
+            let message = "the window folds by energy only; remove growth.mode, or run plisse grow \
+                on the scene";
             return Err(Error::value("growth.mode", message));
         }
         return Ok(Plan::Scene(Box::new(built)));
@@ -193,11 +213,17 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
             (topology, rest, start, vec![false; count])
         }
     };
-    let numbers: Vec<Numbers> = (0..start.len()).map(|v| Numbers::of(&document.layers, v)).collect();
+    let numbers: Vec<Numbers> =
+        (0..start.len()).map(|v| Numbers::of(&document.layers, v)).collect();
     let frames = Expansion::none(&topology, &start)?;
-    let expansion = Expansion { vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect() };
+    let expansion = Expansion {
+        vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect(),
+    };
     let settings = &document.settings;
-    let (young_pa, poisson) = subject.scene.as_ref().map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
+    let (young_pa, poisson) = subject
+        .scene
+        .as_ref()
+        .map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
     Ok(Painted {
         maps: GrowthMaps {
             wavelength_m: numbers.iter().map(|n| n.wavelength_m(settings.fold_spacing_m)).collect(),
@@ -234,13 +260,30 @@ pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
     };
     let (topology, pose, report) = match (plan, adapt) {
         (Plan::Scene(built), Some(adapt)) => {
-            let mut each = |step: &StepReport, on: &Surface<'_>| show(step, &on.topology, &on.rest, &on.pose);
-            let (surface, report) = grow_adapting(&growing, built.chart(), &parts, &built.options, adapt, reporter, &mut each)?;
+            let mut each =
+                |step: &StepReport, on: &Surface<'_>| show(step, &on.topology, &on.rest, &on.pose);
+            let (surface, report) = grow_adapting(
+                &growing,
+                built.chart(),
+                &parts,
+                &built.options,
+                adapt,
+                reporter,
+                &mut each,
+            )?;
             (surface.topology, surface.pose, report.growth)
         }
         _ => {
-            let mut each = |step: &StepReport, pose: &[Vec3]| show(step, growing.topology, growing.rest, pose);
-            let (pose, report) = grow_each(&growing, &parts, growing.start, plan.options(), reporter as &dyn Observer, &mut each)?;
+            let mut each =
+                |step: &StepReport, pose: &[Vec3]| show(step, growing.topology, growing.rest, pose);
+            let (pose, report) = grow_each(
+                &growing,
+                &parts,
+                growing.start,
+                plan.options(),
+                reporter as &dyn Observer,
+                &mut each,
+            )?;
             (growing.topology.clone(), pose, report)
         }
     };
@@ -253,9 +296,14 @@ pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
 pub(super) fn look(topology: &Topology, asked: &RestMetric, pose: &[Vec3]) -> Solid {
     let posed = seen(pose, topology);
     let count = pose.len();
-    let waves = Waves { amplitude_m: vec![0.0; count], wave: vec![Seen::zeros(); count], phase: vec![0.0; count] };
+    let waves = Waves {
+        amplitude_m: vec![0.0; count],
+        wave: vec![Seen::zeros(); count],
+        phase: vec![0.0; count],
+    };
     let length = |e: f64| ((1.0 + e).max(0.0).sqrt() - 1.0) as f32;
     let ordered = |[a, b]: [f32; 2]| [a.min(b), a.max(b)];
-    let strain = strain(topology, asked, pose).iter().map(|s| ordered(s.principal.map(length))).collect();
+    let strain =
+        strain(topology, asked, pose).iter().map(|s| ordered(s.principal.map(length))).collect();
     Solid { strain, ..solid(topology, posed, &waves) }
 }

@@ -1,4 +1,5 @@
-//! A job in the background: it tells how far it is, can be stopped, and hands over what it makes as it makes it.
+//! A job in the background: it tells how far it is, can be stopped, and hands over what it makes as
+//! it makes it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -52,13 +53,25 @@ impl<T: Send + 'static> Job<T> {
         work: impl FnOnce(&Reporter<T>) -> plisse::Result<T> + Send + 'static,
     ) -> Self {
         let (send, news) = channel();
-        let (progress, stop) = (Arc::new(Mutex::new(Progress::default())), Arc::new(AtomicBool::new(false)));
-        let reporter = Reporter { progress: Arc::clone(&progress), stop: Arc::clone(&stop), send: Mutex::new(send), wake: Box::new(wake) };
+        let (progress, stop) =
+            (Arc::new(Mutex::new(Progress::default())), Arc::new(AtomicBool::new(false)));
+        let reporter = Reporter {
+            progress: Arc::clone(&progress),
+            stop: Arc::clone(&stop),
+            send: Mutex::new(send),
+            wake: Box::new(wake),
+        };
         spawn("job", move || {
-            let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| apart(|| work(&reporter))));
+            let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                apart(|| work(&reporter))
+            }));
             let done = match done {
                 Ok(done) => done.map_err(|e| e.to_string()),
-                Err(_) => Err("the program made a mistake in this step; your work is kept, save it and report what you did".into()),
+                Err(_) => {
+                    Err("the program made a mistake in this step; your work is kept, save it \
+                    and report what you did"
+                        .into())
+                }
             };
             reporter.send(News::Done(done));
         });
@@ -119,7 +132,11 @@ impl<T> Reporter<T> {
 impl<T: Send> Observer for Reporter<T> {
     fn step(&self, step: &Step) {
         if let Ok(mut progress) = self.progress.lock() {
-            progress.steps.push((step.stage, step.energy_joule, step.residual / step.tolerance.max(f64::MIN_POSITIVE)));
+            progress.steps.push((
+                step.stage,
+                step.energy_joule,
+                step.residual / step.tolerance.max(f64::MIN_POSITIVE),
+            ));
         }
         (self.wake)();
     }

@@ -1,5 +1,6 @@
-//! The files that `plisse solve` makes of a scene, by the same steps in the same order, so that they are the same to the bit; and the scene
-//! file itself with the files it names, so that `plisse solve` can make them again.
+//! The files that `plisse solve` makes of a scene, by the same steps in the same order, so that
+//! they are the same to the bit; and the scene file itself with the files it names, so that `plisse
+//! solve` can make them again.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,11 +15,16 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use super::job::Reporter;
 use crate::document::SceneText;
 
-/// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (but picture and report) into `folder`.
+/// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (but
+/// picture and report) into `folder`.
 ///
 /// # Errors
 /// [`Error::File`] if something cannot be read or written; [`Error::Value`] if it was stopped; as the solves.
-pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) -> Result<Vec<PathBuf>> {
+pub fn write<T: Send>(
+    scene: &SceneText,
+    folder: &Path,
+    reporter: &Reporter<T>,
+) -> Result<Vec<PathBuf>> {
     let (text, named) = portable(&scene.text, scene.scene.file.parent().unwrap_or(Path::new(".")))?;
     let mut out = OutputFolder::create(folder)?;
     for (name, from) in &named {
@@ -31,9 +37,20 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
     let built = &scene.built;
     let (pose, _) = plisse::scene::solve_base(&scene.scene, built, reporter)?;
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;
+    let solved = solve(
+        &built.topology,
+        &built.rest,
+        &pose,
+        &built.clamps.held(),
+        &built.material,
+        &built.field,
+        reporter,
+    )?;
     if reporter.cancelled() {
-        return Err(Error::value("take away", "it was stopped, nothing was written; begin it again"));
+        return Err(Error::value(
+            "take away",
+            "it was stopped, nothing was written; begin it again",
+        ));
     }
     reporter.stage("files", Some(0.8));
     let posed = built.posed(&pose);
@@ -42,12 +59,15 @@ pub fn write<T: Send>(scene: &SceneText, folder: &Path, reporter: &Reporter<T>) 
     out.commit()
 }
 
-/// The scene's text with plain names for the files it names, and where those lie, by the names they get. Comments stay.
+/// The scene's text with plain names for the files it names, and where those lie, by the names they
+/// get. Comments stay.
 ///
 /// # Errors
 /// [`Error::Value`] for a text that is no TOML.
 pub fn portable(text: &str, folder: &Path) -> Result<(String, BTreeMap<String, PathBuf>)> {
-    let bad = |e: &dyn std::fmt::Display| Error::value("scene", format!("its text is no TOML ({e}); correct it"));
+    let bad = |e: &dyn std::fmt::Display| {
+        Error::value("scene", format!("its text is no TOML ({e}); correct it"))
+    };
     let mut document: DocumentMut = text.parse().map_err(|e| bad(&e))?;
     let mut named = BTreeMap::new();
     rename(document.as_table_mut(), folder, &mut named);
@@ -66,11 +86,18 @@ fn rename(table: &mut dyn TableLike, folder: &Path, named: &mut BTreeMap<String,
     }
 }
 
-fn rename_value(value: &mut Value, is_path: bool, folder: &Path, named: &mut BTreeMap<String, PathBuf>) {
+fn rename_value(
+    value: &mut Value,
+    is_path: bool,
+    folder: &Path,
+    named: &mut BTreeMap<String, PathBuf>,
+) {
     match value {
         Value::String(text) if is_path => {
             let from = folder.join(text.value());
-            let mut name = from.file_name().map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
+            let mut name = from
+                .file_name()
+                .map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
             while named.get(&name).is_some_and(|there| *there != from) {
                 name = format!("_{name}");
             }
@@ -91,13 +118,27 @@ mod tests {
 
     #[test]
     fn files_get_plain_names_and_comments_stay() {
-        let text = "# mine\ntitle = \"t\"\n[mesh]\nworn = \"a/w.obj\" # worn\n[[obstacle]]\nname = \"o\"\nkind = \"mesh\"\nfile = \"b/w.obj\"\n\
-                    [growth]\nwavelength_m = { kind = \"image\", low = 0.0, high = 1, file = \"m.png\" }\n";
+        let text = "# mine\ntitle = \"t\"\n[mesh]\nworn = \"a/w.obj\" # worn\n[[obstacle]]\nname = \
+            \"o\"\nkind = \"mesh\"\nfile = \"b/w.obj\"\n\
+                    [growth]\nwavelength_m = { kind = \"image\", low = 0.0, high = 1, file = \
+                    \"m.png\" }\n";
         let (found, named) = portable(text, Path::new("/x")).unwrap();
         assert!(found.starts_with("# mine\n") && found.contains("# worn"), "{found}");
-        let names: Vec<(&str, &str)> = named.iter().map(|(n, p)| (n.as_str(), p.to_str().unwrap())).collect();
-        assert_eq!(names, [("_w.obj", "/x/b/w.obj"), ("m.png", "/x/m.png"), ("w.obj", "/x/a/w.obj")]);
-        assert!(found.contains("worn = \"w.obj\"") && found.contains("file = \"_w.obj\"") && found.contains("file = \"m.png\""), "{found}");
-        assert_eq!(portable("title = 1.50 # as it is", Path::new(".")).unwrap().0, "title = 1.50 # as it is");
+        let names: Vec<(&str, &str)> =
+            named.iter().map(|(n, p)| (n.as_str(), p.to_str().unwrap())).collect();
+        assert_eq!(
+            names,
+            [("_w.obj", "/x/b/w.obj"), ("m.png", "/x/m.png"), ("w.obj", "/x/a/w.obj")]
+        );
+        assert!(
+            found.contains("worn = \"w.obj\"")
+                && found.contains("file = \"_w.obj\"")
+                && found.contains("file = \"m.png\""),
+            "{found}"
+        );
+        assert_eq!(
+            portable("title = 1.50 # as it is", Path::new(".")).unwrap().0,
+            "title = 1.50 # as it is"
+        );
     }
 }

@@ -1,7 +1,9 @@
-//! A scene solved in the background, by the library's own road: base surface, wrinkle field, fine surface.
+//! A scene solved in the background, by the library's own road: base surface, wrinkle field, fine
+//! surface.
 //!
-//! To show something on the way, the base solve runs in bouts, each from where the last one ended, ever longer ones. That leads to the same
-//! equilibrium but not to the same bits as one run; the files of [`super::scene_files`] come from one run, as `plisse solve` makes it.
+//! To show something on the way, the base solve runs in bouts, each from where the last one ended,
+//! ever longer ones. That leads to the same equilibrium but not to the same bits as one run; the
+//! files of [`super::scene_files`] come from one run, as `plisse solve` makes it.
 
 use std::sync::Arc;
 
@@ -81,26 +83,58 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
         bout *= 2;
     };
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(&built.topology, &built.rest, &pose, &built.clamps.held(), &built.material, &built.field, reporter)?;
+    let solved = solve(
+        &built.topology,
+        &built.rest,
+        &pose,
+        &built.clamps.held(),
+        &built.material,
+        &built.field,
+        reporter,
+    )?;
     reporter.stage("fine surface", Some(0.9));
     let posed = built.posed(&pose);
-    let levels = if reporter.cancelled() { 0 } else { posed.levels(&solved.field).min(levels_within(&built.topology, MOST_FACES)) };
+    let levels = if reporter.cancelled() {
+        0
+    } else {
+        posed.levels(&solved.field).min(levels_within(&built.topology, MOST_FACES))
+    };
     let wrinkled = posed.wrinkle(&solved.field, levels);
     let solid = look(built, &pose, Some(&solved.field), Some(&wrinkled));
     let measures = measure(built, &solved.field, &solved.report);
-    let scene = SolvedScene { built: Arc::clone(built), pose, base, field: solved.field, report: solved.report, wrinkled, measures };
+    let scene = SolvedScene {
+        built: Arc::clone(built),
+        pose,
+        base,
+        field: solved.field,
+        report: solved.report,
+        wrinkled,
+        measures,
+    };
     Ok(Part::Whole(Arc::new(solid), Arc::new(scene)))
 }
 
 /// What is seen of a pose, its field and its fine surface, as far as they are known.
-fn look(built: &Built, pose: &[Vec3], field: Option<&WrinkleField>, wrinkled: Option<&Wrinkled>) -> Solid {
+fn look(
+    built: &Built,
+    pose: &[Vec3],
+    field: Option<&WrinkleField>,
+    wrinkled: Option<&Wrinkled>,
+) -> Solid {
     let posed = seen(pose, &built.topology);
     let waves = field.map_or_else(
-        || Waves { amplitude_m: vec![0.0; pose.len()], wave: vec![Seen::zeros(); pose.len()], phase: vec![0.0; pose.len()] },
+        || Waves {
+            amplitude_m: vec![0.0; pose.len()],
+            wave: vec![Seen::zeros(); pose.len()],
+            phase: vec![0.0; pose.len()],
+        },
         |field| from_field(&built.topology, &posed, field),
     );
     let lengths = |e: f64| ((1.0 + e).max(0.0).sqrt() - 1.0) as f32;
-    let strain = strain(&built.topology, &built.rest, pose).iter().map(|s| ordered(s.principal.map(lengths))).collect();
+    let strain = strain(&built.topology, &built.rest, pose)
+        .iter()
+        .map(|s| ordered(s.principal.map(lengths)))
+        .collect();
     let fine = wrinkled.map(|wrinkled| {
         let topology = &wrinkled.fine.topology;
         corners(topology, &seen(&wrinkled.positions, topology), None)

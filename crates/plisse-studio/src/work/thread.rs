@@ -1,4 +1,5 @@
-//! Threads, where there are any. In a web page there are none: work is done in the page, which stands still meanwhile.
+//! Threads, where there are any. In a web page there are none: work is done in the page, which
+//! stands still meanwhile.
 
 /// Runs `work` on a thread called `name`; here and now if none can be had.
 #[cfg(not(target_arch = "wasm32"))]
@@ -20,11 +21,14 @@ pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     }
 }
 
-/// Runs `work` on threads of its own: pictures are drawn on those that all share, and every small step would wait for one of theirs.
+/// Runs `work` on threads of its own: pictures are drawn on those that all share, and every small
+/// step would wait for one of theirs.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn apart<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static POOL: std::sync::OnceLock<Option<rayon::ThreadPool>> = std::sync::OnceLock::new();
-    match POOL.get_or_init(|| rayon::ThreadPoolBuilder::new().thread_name(|n| format!("job {n}")).build().ok()) {
+    match POOL.get_or_init(|| {
+        rayon::ThreadPoolBuilder::new().thread_name(|n| format!("job {n}")).build().ok()
+    }) {
         Some(pool) => pool.install(work),
         None => work(),
     }

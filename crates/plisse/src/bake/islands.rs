@@ -5,11 +5,16 @@ use crate::mesh::{Vec2, Vec3};
 /// Space between islands, relative to the largest side of all of them.
 const GAP: f64 = 0.02;
 
-/// Texture coordinates from flat rest panels, and those of each face's corners: their rest positions (`[R]`, m; `rest_faces`, `[F][3]`), side
-/// by side in the unit square; `None` for rest shapes that are not flat.
-pub fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
+/// Texture coordinates from flat rest panels, and those of each face's corners: their rest
+/// positions (`[R]`, m; `rest_faces`, `[F][3]`), side by side in the unit square; `None` for rest
+/// shapes that are not flat.
+pub fn panel_texture(
+    rest_positions: &[Vec3],
+    rest_faces: &[[usize; 3]],
+) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
     let first = *rest_positions.first()?;
-    let (low, high) = rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let (low, high) =
+        rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = (high - low).x.max((high - low).y);
     if (high - low).z > 1e-9 * size {
         return None;
@@ -18,12 +23,13 @@ pub fn panel_texture(rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Opti
     Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
 }
 
-/// Scales the plane figures `positions` (`[T]`, m) into the unit square, all alike. Where the bounding boxes of connected pieces of
-/// `faces` overlap,
-/// as those of panels do that all begin at their own origin, pieces are first laid side by side, in rows.
+/// Scales the plane figures `positions` (`[T]`, m) into the unit square, all alike. Where the
+/// bounding boxes of connected pieces of `faces` overlap, as those of panels do that all begin at
+/// their own origin, pieces are first laid side by side, in rows.
 pub fn side_by_side(positions: &[Vec2], faces: &[[usize; 3]]) -> Vec<Vec2> {
     let (piece, boxes) = pieces(positions, faces);
-    let overlap = |a: &[Vec2; 2], b: &[Vec2; 2]| (0..2).all(|k| a[0][k] < b[1][k] && b[0][k] < a[1][k]);
+    let overlap =
+        |a: &[Vec2; 2], b: &[Vec2; 2]| (0..2).all(|k| a[0][k] < b[1][k] && b[0][k] < a[1][k]);
     let any = (0..boxes.len()).any(|i| boxes[..i].iter().any(|other| overlap(&boxes[i], other)));
     let mut shifts = vec![Vec2::zeros(); boxes.len()];
     if any {
@@ -46,7 +52,8 @@ pub fn side_by_side(positions: &[Vec2], faces: &[[usize; 3]]) -> Vec<Vec2> {
     laid.iter().map(|p| if size > 0.0 { (p - low) / size } else { Vec2::zeros() }).collect()
 }
 
-/// `[T]` piece of each point, counted by first points, and `[pieces]` their lower and upper corners.
+/// `[T]` piece of each point, counted by first points, and `[pieces]` their lower and upper
+/// corners.
 fn pieces(positions: &[Vec2], faces: &[[usize; 3]]) -> (Vec<usize>, Vec<[Vec2; 2]>) {
     let mut parent: Vec<usize> = (0..positions.len()).collect();
     fn root(parent: &mut [usize], mut v: usize) -> usize {
@@ -98,6 +105,9 @@ mod tests {
             assert!(((boxes[i][1] - boxes[i][0]) - (boxes[0][1] - boxes[0][0])).norm() < 1e-12);
         }
         // One alone is only scaled.
-        assert_eq!(side_by_side(&triangle, &faces[..1]), [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 0.5)]);
+        assert_eq!(
+            side_by_side(&triangle, &faces[..1]),
+            [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 0.5)]
+        );
     }
 }

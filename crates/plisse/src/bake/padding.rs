@@ -4,11 +4,13 @@ use rayon::prelude::*;
 
 use super::raster::{Baked, Coverage};
 
-/// Grows all islands of `baked` by `texels`: each new texel has the mean of those around it that there were before.
+/// Grows all islands of `baked` by `texels`: each new texel has the mean of those around it that
+/// there were before.
 pub(super) fn pad(baked: &mut Baked, texels: usize) {
     let n = baked.size;
     for _ in 0..texels {
-        let rows: Vec<Vec<(usize, f32, [f32; 3])>> = (0..n).into_par_iter().map(|y| grown(baked, y)).collect();
+        let rows: Vec<Vec<(usize, f32, [f32; 3])>> =
+            (0..n).into_par_iter().map(|y| grown(baked, y)).collect();
         if rows.iter().all(Vec::is_empty) {
             return;
         }

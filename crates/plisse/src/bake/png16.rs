@@ -1,6 +1,7 @@
 //! Maps as PNG files with 16 bits a channel.
 //!
-//! Zero is 32768 in both kinds, exactly: height = (value − 32768)/32767 · scale, normal component = (value − 32768)/32767.
+//! Zero is 32768 in both kinds, exactly: height = (value − 32768)/32767 · scale, normal component =
+//! (value − 32768)/32767.
 
 use std::io::{self, Write};
 
@@ -9,8 +10,9 @@ use super::raster::Baked;
 /// The key of the PNG text that holds a height map's scale (m).
 pub const SCALE_KEY: &str = "plisse:height-scale-m";
 
-/// Writes the heights of `baked` to `out`, 16-bit grey: 0.5 is zero, white is `scale_m` (m), black −`scale_m`; what lies beyond is cut
-/// off. The scale stands in a text of the file, under [`SCALE_KEY`].
+/// Writes the heights of `baked` to `out`, 16-bit grey: 0.5 is zero, white is `scale_m` (m), black
+/// −`scale_m`; what lies beyond is cut off. The scale stands in a text of the file, under
+/// [`SCALE_KEY`].
 ///
 /// # Errors
 /// What `out` answers; [`io::ErrorKind::InvalidData`] for a scale that is not above 0.
@@ -23,18 +25,25 @@ pub fn write_height(out: &mut dyn Write, baked: &Baked, scale_m: f64) -> io::Res
     }
     let texts = [
         (SCALE_KEY, format!("{scale_m:e}")),
-        ("Comment", "height_m = (value - 32768) / 32767 * height-scale-m; value of 16 bits, no colour space".to_owned()),
+        (
+            "Comment",
+            "height_m = (value - 32768) / 32767 * height-scale-m; value of 16 bits, no \
+            colour space"
+                .to_owned(),
+        ),
     ];
     let values = baked.height_m.iter().map(|&h| level(f64::from(h) / scale_m));
     write(out, baked.size, png::ColorType::Grayscale, &texts, values)
 }
 
-/// Writes the normals of `baked` to `out`, 16-bit RGB: red along u, green along v (up), blue outwards.
+/// Writes the normals of `baked` to `out`, 16-bit RGB: red along u, green along v (up), blue
+/// outwards.
 ///
 /// # Errors
 /// What `out` answers.
 pub fn write_normal(out: &mut dyn Write, baked: &Baked) -> io::Result<()> {
-    let texts = [("Comment", "tangent-space normals, +Y up (glTF, OpenGL); no colour space".to_owned())];
+    let texts =
+        [("Comment", "tangent-space normals, +Y up (glTF, OpenGL); no colour space".to_owned())];
     let values = baked.normal.iter().flatten().map(|&x| level(f64::from(x)));
     write(out, baked.size, png::ColorType::Rgb, &texts, values)
 }
@@ -51,7 +60,8 @@ fn write(
     texts: &[(&str, String)],
     values: impl Iterator<Item = u16>,
 ) -> io::Result<()> {
-    let side = u32::try_from(size).map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "the map is too large for PNG"))?;
+    let side = u32::try_from(size)
+        .map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "the map is too large for PNG"))?;
     let mut encoder = png::Encoder::new(out, side, side);
     encoder.set_color(colour);
     encoder.set_depth(png::BitDepth::Sixteen);

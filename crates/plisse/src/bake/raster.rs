@@ -66,7 +66,8 @@ pub struct Baked {
     pub coverage: Vec<Coverage>,
     /// Texels whose centre lies inside more than one face; the first has it.
     pub overlapping: usize,
-    /// Faces that no texel's centre lies on: without an area in texture space, or too small for this size.
+    /// Faces that no texel's centre lies on: without an area in texture space, or too small for
+    /// this size.
     pub missed_faces: usize,
 }
 
@@ -79,7 +80,8 @@ const EDGE: f64 = 1e-9;
 /// How far texture coordinates may lie outside by round-off.
 const OUTSIDE: f64 = 1e-5;
 
-/// One texel of a band: face (`u32::MAX`: none) and whether its centre lies clear of the face's edges.
+/// One texel of a band: face (`u32::MAX`: none) and whether its centre lies clear of the face's
+/// edges.
 #[derive(Clone, Copy)]
 struct Texel {
     face: u32,
@@ -88,20 +90,30 @@ struct Texel {
     normal: [f32; 3],
 }
 
-/// Bakes what `sample` says at (face, barycentric coordinates) of `surface`. The result does not depend on the number of threads.
+/// Bakes what `sample` says at (face, barycentric coordinates) of `surface`. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// [`Error::Value`] for a size of 0 or beyond 16384, and for a texture coordinate that is no number or outside [0, 1];
 /// [`Error::Mesh`] for lists that do not match or a corner out of range.
-pub fn bake(surface: &Surface<'_>, sample: impl Fn(usize, [f64; 3]) -> Sample + Sync, options: &Options) -> Result<Baked> {
+pub fn bake(
+    surface: &Surface<'_>,
+    sample: impl Fn(usize, [f64; 3]) -> Sample + Sync,
+    options: &Options,
+) -> Result<Baked> {
     check(surface, options)?;
     let n = options.size;
     let frames = frames(surface);
-    let texel_of = |t: usize| Vec2::new(surface.uvs[t].x * n as f64, (1.0 - surface.uvs[t].y) * n as f64);
+    let texel_of =
+        |t: usize| Vec2::new(surface.uvs[t].x * n as f64, (1.0 - surface.uvs[t].y) * n as f64);
     let corners: Vec<[Vec2; 3]> = surface.uv_faces.iter().map(|face| face.map(texel_of)).collect();
     let rows = |c: &[Vec2; 3]| {
-        let (low, high) = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
-        ((low - 0.5).ceil().max(0.0) as usize, ((high - 0.5).floor() + 1.0).clamp(0.0, n as f64) as usize)
+        let (low, high) =
+            c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.y), h.max(p.y)));
+        (
+            (low - 0.5).ceil().max(0.0) as usize,
+            ((high - 0.5).floor() + 1.0).clamp(0.0, n as f64) as usize,
+        )
     };
     let mut in_band = vec![Vec::new(); n.div_ceil(BAND)];
     for (f, c) in corners.iter().enumerate() {
@@ -165,21 +177,33 @@ pub fn bake(surface: &Surface<'_>, sample: impl Fn(usize, [f64; 3]) -> Sample + 
 
 fn check(surface: &Surface<'_>, options: &Options) -> Result<()> {
     if !(1..=MOST).contains(&options.size) {
-        return Err(Error::value("size", format!("{} texels across cannot be baked; give 1 to {MOST}", options.size)));
+        return Err(Error::value(
+            "size",
+            format!("{} texels across cannot be baked; give 1 to {MOST}", options.size),
+        ));
     }
     let (v, t) = (surface.positions.len(), surface.uvs.len());
     if surface.normals.len() != v || surface.uv_faces.len() != surface.faces.len() {
-        return Err(Error::mesh("bake", "normals or texture faces do not match vertices and faces; give one for each"));
+        return Err(Error::mesh(
+            "bake",
+            "normals or texture faces do not match vertices and faces; give one for each",
+        ));
     }
-    let in_range = |f: &usize| surface.faces[*f].iter().all(|&i| i < v) && surface.uv_faces[*f].iter().all(|&i| i < t);
+    let in_range = |f: &usize| {
+        surface.faces[*f].iter().all(|&i| i < v) && surface.uv_faces[*f].iter().all(|&i| i < t)
+    };
     if let Some(f) = (0..surface.faces.len()).find(|f| !in_range(f)) {
-        return Err(Error::mesh("bake", format!("face {f} names a vertex or texture coordinate that is not there; correct it")));
+        return Err(Error::mesh(
+            "bake",
+            format!("face {f} names a vertex or texture coordinate that is not there; correct it"),
+        ));
     }
     let fits = |uv: &Vec2| uv.iter().all(|x| (-OUTSIDE..=1.0 + OUTSIDE).contains(x));
     if let Some(&i) = surface.uv_faces.iter().flatten().find(|&&i| !fits(&surface.uvs[i])) {
         let uv = surface.uvs[i];
         let message = format!(
-            "texture coordinate {i} is ({:.4}, {:.4}), outside the unit square; pack all islands into it (\"UV pack\") and export again",
+            "texture coordinate {i} is ({:.4}, {:.4}), outside the unit square; pack all islands \
+             into it (\"UV pack\") and export again",
             uv.x, uv.y
         );
         return Err(Error::value("texture coordinates", message));
@@ -187,18 +211,27 @@ fn check(surface: &Surface<'_>, options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Calls `found(x, y, barycentric)` for every texel centre in `rows` that lies on the triangle `c` (texels) or its edge.
-fn each_centre(c: &[Vec2; 3], rows: std::ops::Range<usize>, n: usize, mut found: impl FnMut(usize, usize, [f64; 3])) {
+/// Calls `found(x, y, barycentric)` for every texel centre in `rows` that lies on the triangle `c`
+/// (texels) or its edge.
+fn each_centre(
+    c: &[Vec2; 3],
+    rows: std::ops::Range<usize>,
+    n: usize,
+    mut found: impl FnMut(usize, usize, [f64; 3]),
+) {
     let area = (c[1] - c[0]).perp(&(c[2] - c[0]));
     if area.abs() < 1e-12 {
         return;
     }
-    let (low, high) = c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.x), h.max(p.x)));
-    let columns = (low - 0.5).ceil().max(0.0) as usize..((high - 0.5).floor() + 1.0).clamp(0.0, n as f64) as usize;
+    let (low, high) =
+        c.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p.x), h.max(p.x)));
+    let columns = (low - 0.5).ceil().max(0.0) as usize
+        ..((high - 0.5).floor() + 1.0).clamp(0.0, n as f64) as usize;
     for y in rows {
         for x in columns.clone() {
             let p = Vec2::new(x as f64 + 0.5, y as f64 + 0.5);
-            let (s, t) = ((p - c[0]).perp(&(c[2] - c[0])) / area, (c[1] - c[0]).perp(&(p - c[0])) / area);
+            let (s, t) =
+                ((p - c[0]).perp(&(c[2] - c[0])) / area, (c[1] - c[0]).perp(&(p - c[0])) / area);
             let weights = [1.0 - s - t, s, t];
             if weights.iter().all(|&w| w >= -EDGE) {
                 found(x, y, weights);
@@ -211,5 +244,9 @@ fn each_centre(c: &[Vec2; 3], rows: std::ops::Range<usize>, n: usize, mut found:
 fn tangent_normal(frame: &Frame, weights: [f64; 3], gradient: &Vec3) -> [f32; 3] {
     let [t, b] = frame.at(weights);
     let normal = Vec3::new(-gradient.dot(&t), -gradient.dot(&b), 1.0).normalize();
-    if normal.iter().all(|x| x.is_finite()) { [normal.x as f32, normal.y as f32, normal.z as f32] } else { [0.0, 0.0, 1.0] }
+    if normal.iter().all(|x| x.is_finite()) {
+        [normal.x as f32, normal.y as f32, normal.z as f32]
+    } else {
+        [0.0, 0.0, 1.0]
+    }
 }

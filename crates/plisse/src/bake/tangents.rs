@@ -1,5 +1,6 @@
-//! Tangent frames as renderers make them: the direction of u on each face, averaged per vertex, by angle, over faces that share
-//! vertex, texture coordinate and handedness (as MikkTSpace does), made perpendicular to the normal.
+//! Tangent frames as renderers make them: the direction of u on each face, averaged per vertex, by
+//! angle, over faces that share vertex, texture coordinate and handedness (as MikkTSpace does),
+//! made perpendicular to the normal.
 
 use std::collections::HashMap;
 
@@ -15,9 +16,11 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Unit tangents along u and v at the point with barycentric coordinates `weights`, perpendicular to the interpolated normal.
+    /// Unit tangents along u and v at the point with barycentric coordinates `weights`,
+    /// perpendicular to the interpolated normal.
     pub(super) fn at(&self, weights: [f64; 3]) -> [Vec3; 2] {
-        let blend = |list: &[Vec3; 3]| list[0] * weights[0] + list[1] * weights[1] + list[2] * weights[2];
+        let blend =
+            |list: &[Vec3; 3]| list[0] * weights[0] + list[1] * weights[1] + list[2] * weights[2];
         let n = blend(&self.normals).try_normalize(1e-12).unwrap_or_else(Vec3::z);
         let t = across(&blend(&self.tangents), &n);
         [t, n.cross(&t) * self.handedness]
@@ -40,17 +43,23 @@ pub(super) fn frames(surface: &Surface<'_>) -> Vec<Frame> {
         .zip(surface.uv_faces)
         .map(|(face, uv_face)| {
             let (p, uv) = (face.map(|v| surface.positions[v]), uv_face.map(|t| surface.uvs[t]));
-            let (side_b, side_c, uv_b, uv_c) = (p[1] - p[0], p[2] - p[0], uv[1] - uv[0], uv[2] - uv[0]);
+            let (side_b, side_c, uv_b, uv_c) =
+                (p[1] - p[0], p[2] - p[0], uv[1] - uv[0], uv[2] - uv[0]);
             let area = uv_b.perp(&uv_c);
-            let tangent = ((side_b * uv_c.y - side_c * uv_b.y) * area.signum()).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+            let tangent = ((side_b * uv_c.y - side_c * uv_b.y) * area.signum())
+                .try_normalize(0.0)
+                .unwrap_or_else(Vec3::zeros);
             let mirrored = area < 0.0;
             for k in 0..3 {
                 let (to, fro) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
                 let angle = to.angle(&fro);
                 let n = surface.normals[face[k]];
-                let flat = (tangent - n * n.dot(&tangent)).try_normalize(1e-12).unwrap_or_else(Vec3::zeros);
+                let flat = (tangent - n * n.dot(&tangent))
+                    .try_normalize(1e-12)
+                    .unwrap_or_else(Vec3::zeros);
                 if angle.is_finite() {
-                    *sums.entry((face[k], uv_face[k], mirrored)).or_insert_with(Vec3::zeros) += flat * angle;
+                    *sums.entry((face[k], uv_face[k], mirrored)).or_insert_with(Vec3::zeros) +=
+                        flat * angle;
                 }
             }
             (tangent, mirrored)

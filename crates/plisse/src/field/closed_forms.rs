@@ -1,11 +1,12 @@
 //! All closed one-forms on the wrinkled part of a mesh: ω = dφ + Σₖ cₖHₖ.
 //!
-//! The phase's differential must be closed on every face that carries wrinkles, but need not be exact: around a wrinkle-free
-//! hole the phase may gain a number cₖ. Hₖ are integer-valued closed forms, one for each independent loop: take a spanning
-//! tree of the vertices (Hₖ = 0 on it) and a spanning tree of the faces, rooted outside, that avoids the first; edges in
-//! neither are the generators. Hₖ is 1 on its generator, 0 on the other generators, and closedness gives the rest from the
-//! leaves of the face tree. The loop of generator k runs along it and back through the vertex tree, so the phase gains exactly
-//! cₖ around it.
+//! The phase's differential must be closed on every face that carries wrinkles, but need not be
+//! exact: around a wrinkle-free hole the phase may gain a number cₖ. Hₖ are integer-valued closed
+//! forms, one for each independent loop: take a spanning tree of the vertices (Hₖ = 0 on it) and a
+//! spanning tree of the faces, rooted outside, that avoids the first; edges in neither are the
+//! generators. Hₖ is 1 on its generator, 0 on the other generators, and closedness gives the rest
+//! from the leaves of the face tree. The loop of generator k runs along it and back through the
+//! vertex tree, so the phase gains exactly cₖ around it.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -14,7 +15,8 @@ use crate::mesh::{NONE, Topology};
 /// A basis of the closed one-forms on the faces that are not wrinkle-free.
 #[derive(Clone, Debug)]
 pub struct ClosedForms {
-    /// `[b₁][…]` the edges on which each Hₖ is not zero, ascending, with its value from lower to higher vertex.
+    /// `[b₁][…]` the edges on which each Hₖ is not zero, ascending, with its value from lower to
+    /// higher vertex.
     pub generators: Vec<Vec<(usize, i32)>>,
     /// `[E][…]` generators that are not zero on each edge, ascending, with the value there.
     pub on_edge: Vec<Vec<(usize, i32)>>,
@@ -22,7 +24,8 @@ pub struct ClosedForms {
     pub loop_lengths: Vec<usize>,
     /// `[E]` whether each edge belongs to a wrinkled face.
     pub wrinkled_edge: Vec<bool>,
-    /// `[V]` connected component of each vertex, counted from 0; [`NONE`] for vertices of no wrinkled face.
+    /// `[V]` connected component of each vertex, counted from 0; [`NONE`] for vertices of no
+    /// wrinkled face.
     pub component: Vec<usize>,
     /// `[components]` the lowest vertex of each component.
     pub roots: Vec<usize>,
@@ -77,7 +80,8 @@ impl ClosedForms {
             roots.push(root);
         }
 
-        // Spanning forest of the faces that avoids it: from outside first, then from one face of each closed part.
+        // Spanning forest of the faces that avoids it: from outside first, then from one face of
+        // each closed part.
         let mut parent_edge = vec![NONE; topology.face_count()];
         let mut order = vec![NONE; topology.face_count()];
         let mut reached = 0;
@@ -117,7 +121,9 @@ impl ClosedForms {
 
         let mut generators = Vec::new();
         let mut loop_lengths = Vec::new();
-        for e in (0..topology.edge_count()).filter(|&e| wrinkled_edge[e] && !in_tree[e] && !in_face_tree[e]) {
+        for e in (0..topology.edge_count())
+            .filter(|&e| wrinkled_edge[e] && !in_tree[e] && !in_face_tree[e])
+        {
             generators.push(extend(topology, &edge_faces, &parent_edge, &order, e));
             let [mut i, mut j] = topology.edges[e];
             let mut length = 1;
@@ -145,11 +151,18 @@ impl ClosedForms {
     }
 }
 
-/// The closed form that is 1 on `generator`, 0 on all other edges outside the face tree: only faces between the generator and
-/// the tree's root are touched.
-fn extend(topology: &Topology, edge_faces: &[[usize; 2]], parent_edge: &[usize], order: &[usize], generator: usize) -> Vec<(usize, i32)> {
+/// The closed form that is 1 on `generator`, 0 on all other edges outside the face tree: only faces
+/// between the generator and the tree's root are touched.
+fn extend(
+    topology: &Topology,
+    edge_faces: &[[usize; 2]],
+    parent_edge: &[usize],
+    order: &[usize],
+    generator: usize,
+) -> Vec<(usize, i32)> {
     let mut value = BTreeMap::from([(generator, 1)]);
-    let mut todo: BTreeSet<(usize, usize)> = edge_faces[generator].iter().filter(|&&f| f != NONE).map(|&f| (order[f], f)).collect();
+    let mut todo: BTreeSet<(usize, usize)> =
+        edge_faces[generator].iter().filter(|&&f| f != NONE).map(|&f| (order[f], f)).collect();
     while let Some((_, f)) = todo.pop_last() {
         let up = parent_edge[f];
         if up == NONE {
@@ -200,7 +213,8 @@ mod tests {
             for k in 0..forms.generators.len() {
                 let mut unit = vec![0.0; forms.generators.len()];
                 unit[k] = 1.0;
-                let sum: f64 = (0..3).map(|s| t.side_sign(f, s) * forms.on(t.face_edges[f][s], &unit)).sum();
+                let sum: f64 =
+                    (0..3).map(|s| t.side_sign(f, s) * forms.on(t.face_edges[f][s], &unit)).sum();
                 assert_eq!(sum, 0.0, "face {f} generator {k}");
             }
         }

@@ -1,5 +1,6 @@
-//! The closed form nearest to given frequencies on faces, in the L² norm of the rest metric: with free periods (for the
-//! initial guess) or with periods that are whole multiples of 2π (for the phase).
+//! The closed form nearest to given frequencies on faces, in the L² norm of the rest metric: with
+//! free periods (for the initial guess) or with periods that are whole multiples of 2π (for the
+//! phase).
 
 use super::closed_forms::ClosedForms;
 use super::phase_unknowns::PhaseUnknowns;
@@ -39,11 +40,17 @@ pub struct Rounded {
 }
 
 impl ClosestClosedForm {
-    /// The equations on the faces with `weight` (`[F]`, no unit) above zero; `forms` must belong to the same faces or more.
+    /// The equations on the faces with `weight` (`[F]`, no unit) above zero; `forms` must belong to
+    /// the same faces or more.
     ///
     /// # Errors
     /// Only if the factorisation's memory cannot be had.
-    pub fn new(topology: &Topology, rest: &RestMetric, forms: &ClosedForms, weight: &[f64]) -> Result<Self> {
+    pub fn new(
+        topology: &Topology,
+        rest: &RestMetric,
+        forms: &ClosedForms,
+        weight: &[f64],
+    ) -> Result<Self> {
         let unknowns = PhaseUnknowns::new(forms);
         let elements: Vec<Element> = (0..topology.face_count())
             .filter(|&f| weight[f] > 0.0)
@@ -53,8 +60,10 @@ impl ClosestClosedForm {
                 terms: unknowns.of_face(topology, forms, f),
             })
             .collect();
-        let lists: Vec<Vec<usize>> = elements.iter().map(|e| e.terms.iter().map(|t| t.0).collect()).collect();
-        let pattern = SymmetricPattern::from_elements(unknowns.count, lists.iter().map(Vec::as_slice));
+        let lists: Vec<Vec<usize>> =
+            elements.iter().map(|e| e.terms.iter().map(|t| t.0).collect()).collect();
+        let pattern =
+            SymmetricPattern::from_elements(unknowns.count, lists.iter().map(Vec::as_slice));
         let mut values = vec![0.0; pattern.entry_count()];
         for (element, list) in elements.iter().zip(&lists) {
             let metric = element.scaled_root.transpose() * rest.faces[element.face].inverse_root;
@@ -75,8 +84,8 @@ impl ClosestClosedForm {
         Ok(Self { unknowns, elements, values, cholesky: Cholesky::new(pattern)? })
     }
 
-    /// Phases (`[V]`, rad) and coefficients (`[b₁]`, rad) nearest to the frequencies `target` (`[F]`, rad/m, in the faces'
-    /// orthonormal rest frames).
+    /// Phases (`[V]`, rad) and coefficients (`[b₁]`, rad) nearest to the frequencies `target`
+    /// (`[F]`, rad/m, in the faces' orthonormal rest frames).
     pub fn with_free_periods(&mut self, target: &[Vec2]) -> (Vec<f64>, Vec<f64>) {
         let mut x = vec![0.0; self.unknowns.count];
         for element in &self.elements {
@@ -93,9 +102,11 @@ impl ClosestClosedForm {
         (self.unknowns.phases(&x), x[self.unknowns.phase_count..].to_vec())
     }
 
-    /// The closed form with periods in 2πℤ that is nearest to the closed form of `phases` and `coefficients`.
+    /// The closed form with periods in 2πℤ that is nearest to the closed form of `phases` and
+    /// `coefficients`.
     ///
-    /// With δφ eliminated, the distance is (2πz − c)ᵀM(2πz − c) in the integers z: a closest-vector problem.
+    /// With δφ eliminated, the distance is (2πz − c)ᵀM(2πz − c) in the integers z: a closest-vector
+    /// problem.
     pub fn with_whole_periods(&mut self, phases: &[f64], coefficients: &[f64]) -> Rounded {
         let n = self.unknowns.count;
         let first = self.unknowns.phase_count;
@@ -128,8 +139,12 @@ impl ClosestClosedForm {
         let mut metric = vec![0.0; count * count];
         for k in 0..count {
             for l in 0..count {
-                metric[k * count + l] =
-                    columns[k][first + l] - columns[k][..first].iter().zip(&answers[l][..first]).map(|(a, b)| a * b).sum::<f64>();
+                metric[k * count + l] = columns[k][first + l]
+                    - columns[k][..first]
+                        .iter()
+                        .zip(&answers[l][..first])
+                        .map(|(a, b)| a * b)
+                        .sum::<f64>();
             }
         }
         let turn = std::f64::consts::TAU;

@@ -1,16 +1,23 @@
-//! Combing: turn each face's compression direction, a line without a head, so that neighbours agree.
+//! Combing: turn each face's compression direction, a line without a head, so that neighbours
+//! agree.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use crate::mesh::{Topology, Vec3};
 
-/// `[F]` +1 or −1 for each face: multiplied by it, `directions` (`[F]`, vectors in the faces' planes of the pose `positions`)
-/// agree with their neighbours' as well as a tree allows that joins the surest pairs first. Faces with `skip` set stay +1 and
-/// join nothing.
+/// `[F]` +1 or −1 for each face: multiplied by it, `directions` (`[F]`, vectors in the faces'
+/// planes of the pose `positions`) agree with their neighbours' as well as a tree allows that joins
+/// the surest pairs first. Faces with `skip` set stay +1 and join nothing.
 ///
-/// Two faces are compared after unfolding them along their edge. How sure a pair is: |cosine| times the smaller length.
-pub fn comb(topology: &Topology, positions: &[Vec3], directions: &[Vec3], skip: &[bool]) -> Vec<f64> {
+/// Two faces are compared after unfolding them along their edge. How sure a pair is: |cosine| times
+/// the smaller length.
+pub fn comb(
+    topology: &Topology,
+    positions: &[Vec3],
+    directions: &[Vec3],
+    skip: &[bool],
+) -> Vec<f64> {
     let mut sign = vec![0.0; topology.face_count()];
     let mut heap = BinaryHeap::new();
     // Start where compression is strongest, so that the surest faces decide.
@@ -24,12 +31,24 @@ pub fn comb(topology: &Topology, positions: &[Vec3], directions: &[Vec3], skip: 
         let mut last = seed;
         loop {
             for k in 0..3 {
-                if let Some(g) = topology.neighbour(last, k).filter(|&g| !skip[g] && sign[g] == 0.0) {
-                    let agreement = unfolded_dot(topology, positions, directions, last, g, topology.face_edges[last][k]);
+                if let Some(g) = topology.neighbour(last, k).filter(|&g| !skip[g] && sign[g] == 0.0)
+                {
+                    let agreement = unfolded_dot(
+                        topology,
+                        positions,
+                        directions,
+                        last,
+                        g,
+                        topology.face_edges[last][k],
+                    );
                     let lengths = directions[last].norm() * directions[g].norm();
                     let cosine = if lengths > 0.0 { agreement / lengths } else { 0.0 };
                     let sureness = cosine.abs() * directions[last].norm().min(directions[g].norm());
-                    heap.push(Pair { sureness, face: g, sign: sign[last] * if agreement < 0.0 { -1.0 } else { 1.0 } });
+                    heap.push(Pair {
+                        sureness,
+                        face: g,
+                        sign: sign[last] * if agreement < 0.0 { -1.0 } else { 1.0 },
+                    });
                 }
             }
             let next = loop {
@@ -55,7 +74,10 @@ struct Pair {
 
 impl Ord for Pair {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.sureness.total_cmp(&other.sureness).then(other.face.cmp(&self.face)).then(self.sign.total_cmp(&other.sign))
+        self.sureness
+            .total_cmp(&other.sureness)
+            .then(other.face.cmp(&self.face))
+            .then(self.sign.total_cmp(&other.sign))
     }
 }
 impl PartialOrd for Pair {
@@ -71,14 +93,27 @@ impl PartialEq for Pair {
 impl Eq for Pair {}
 
 /// Dot product of two faces' directions after unfolding the faces along their common edge `e`.
-fn unfolded_dot(topology: &Topology, positions: &[Vec3], directions: &[Vec3], f: usize, g: usize, e: usize) -> f64 {
-    let along = (positions[topology.edges[e][1]] - positions[topology.edges[e][0]]).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+fn unfolded_dot(
+    topology: &Topology,
+    positions: &[Vec3],
+    directions: &[Vec3],
+    f: usize,
+    g: usize,
+    e: usize,
+) -> f64 {
+    let along = (positions[topology.edges[e][1]] - positions[topology.edges[e][0]])
+        .try_normalize(0.0)
+        .unwrap_or_else(Vec3::zeros);
     let normal = |f: usize| {
         let [i, j, k] = topology.faces[f];
-        (positions[j] - positions[i]).cross(&(positions[k] - positions[i])).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        (positions[j] - positions[i])
+            .cross(&(positions[k] - positions[i]))
+            .try_normalize(0.0)
+            .unwrap_or_else(Vec3::zeros)
     };
     let across = |f: usize| normal(f).cross(&along);
-    directions[f].dot(&along) * directions[g].dot(&along) + directions[f].dot(&across(f)) * directions[g].dot(&across(g))
+    directions[f].dot(&along) * directions[g].dot(&along)
+        + directions[f].dot(&across(f)) * directions[g].dot(&across(g))
 }
 
 #[cfg(test)]
@@ -89,7 +124,9 @@ mod tests {
     fn scrambled_signs_are_combed_straight() {
         // A bent strip with one direction across it, signs scrambled.
         let n = 30;
-        let faces: Vec<_> = (0..n).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+        let faces: Vec<_> = (0..n)
+            .map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] })
+            .collect();
         let topology = Topology::new("strip", n + 2, faces).unwrap();
         let positions: Vec<Vec3> = (0..n + 2)
             .map(|i| {

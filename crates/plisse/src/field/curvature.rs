@@ -1,22 +1,27 @@
-//! Robust curvature of a coarse surface: a quadric fitted around every vertex (Panozzo et al. 2010, as the paper's E.3).
+//! Robust curvature of a coarse surface: a quadric fitted around every vertex (Panozzo et al. 2010,
+//! as the paper's E.3).
 //!
-//! The height field of a fit stands on the tangent plane of its own vertex, not of the whole patch: over the mean plane, the
-//! rim of an inflated disk would come out a third too flat.
+//! The height field of a fit stands on the tangent plane of its own vertex, not of the whole patch:
+//! over the mean plane, the rim of an inflated disk would come out a third too flat.
 
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, SMatrix, SVector};
 use rayon::prelude::*;
 
 use crate::mesh::{Mat3, Topology, Vec3};
 
-/// `[F]` second fundamental form (1/m) of the surface at each face, as a symmetric tensor of space: its value on a tangent
-/// vector t is tᵀSt. It is the mean of the forms that quadrics, fitted to `rings` rings of vertices around each corner, have
-/// there, each turned from its own tangent plane into the face's.
+/// `[F]` second fundamental form (1/m) of the surface at each face, as a symmetric tensor of space:
+/// its value on a tangent vector t is tᵀSt. It is the mean of the forms that quadrics, fitted to
+/// `rings` rings of vertices around each corner, have there, each turned from its own tangent plane
+/// into the face's.
 pub fn second_forms(topology: &Topology, positions: &[Vec3], rings: usize) -> Vec<Mat3> {
     let normals = vertex_normals(topology, positions);
     let neighbours = topology.vertex_neighbours();
     let at_vertices: Vec<Fit> = (0..topology.vertex_count)
         .into_par_iter()
-        .map_init(|| vec![false; topology.vertex_count], |seen, v| fit(v, positions, &normals, &neighbours, rings, seen))
+        .map_init(
+            || vec![false; topology.vertex_count],
+            |seen, v| fit(v, positions, &normals, &neighbours, rings, seen),
+        )
         .collect();
     topology
         .faces
@@ -26,7 +31,8 @@ pub fn second_forms(topology: &Topology, positions: &[Vec3], rings: usize) -> Ve
             let normal = (b - a).cross(&(c - a));
             let mut sum = Mat3::zeros();
             for v in face {
-                let turn = Rotation3::rotation_between(&at_vertices[v].normal, &normal).unwrap_or_else(Rotation3::identity);
+                let turn = Rotation3::rotation_between(&at_vertices[v].normal, &normal)
+                    .unwrap_or_else(Rotation3::identity);
                 sum += turn * at_vertices[v].form * turn.transpose();
             }
             sum / 3.0
@@ -55,7 +61,14 @@ struct Fit {
     normal: Vec3,
 }
 
-fn fit(v: usize, positions: &[Vec3], normals: &[Vec3], neighbours: &[Vec<usize>], rings: usize, seen: &mut [bool]) -> Fit {
+fn fit(
+    v: usize,
+    positions: &[Vec3],
+    normals: &[Vec3],
+    neighbours: &[Vec<usize>],
+    rings: usize,
+    seen: &mut [bool],
+) -> Fit {
     let normal = normals[v];
     let flat = Fit { form: Mat3::zeros(), normal };
     if normal == Vec3::zeros() {
@@ -90,7 +103,8 @@ fn fit(v: usize, positions: &[Vec3], normals: &[Vec3], neighbours: &[Vec<usize>]
     let mut normal_matrix = SMatrix::<f64, 5, 5>::zeros();
     let mut right = SVector::<f64, 5>::zeros();
     for &u in &patch[1..] {
-        // What turns away is on another side of the surface: a height field over the tangent plane cannot describe it.
+        // What turns away is on another side of the surface: a height field over the tangent plane
+        // cannot describe it.
         if normals[u].dot(&normal) <= 0.0 {
             continue;
         }
@@ -100,7 +114,8 @@ fn fit(v: usize, positions: &[Vec3], normals: &[Vec3], neighbours: &[Vec<usize>]
         normal_matrix += row * row.transpose();
         right += row * z;
     }
-    // Nearly collinear patches (a strip one face wide) leave a direction undetermined: there the curvature counts as zero.
+    // Nearly collinear patches (a strip one face wide) leave a direction undetermined: there the
+    // curvature counts as zero.
     let floor = 1e-9 * normal_matrix.trace();
     for i in 0..5 {
         normal_matrix[(i, i)] += floor;
@@ -122,7 +137,9 @@ mod tests {
 
     /// An irregular patch of a grid over [−1, 1]², bent by `height`.
     fn bent(n: usize, height: impl Fn(f64, f64) -> f64) -> (Topology, Vec<Vec3>) {
-        let jitter = |i: usize, j: usize| 0.3 * (((i * 7 + j * 13) as f64 * 0.618).fract() - 0.5) * 2.0 / n as f64;
+        let jitter = |i: usize, j: usize| {
+            0.3 * (((i * 7 + j * 13) as f64 * 0.618).fract() - 0.5) * 2.0 / n as f64
+        };
         let mut positions = Vec::new();
         for j in 0..=n {
             for i in 0..=n {
@@ -135,7 +152,10 @@ mod tests {
         let faces = (0..n * n)
             .flat_map(|k| {
                 let (i, j) = (k % n, k / n);
-                [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+                [
+                    [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                    [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+                ]
             })
             .collect();
         (Topology::new("bent", positions.len(), faces).unwrap(), positions)
@@ -150,7 +170,10 @@ mod tests {
                 let c = (p[face[0]] + p[face[1]] + p[face[2]]) / 3.0;
                 if c.x.hypot(c.y) < 0.4 {
                     let (kx, ky) = (forms[f][(0, 0)], forms[f][(1, 1)]);
-                    assert!((kx - 0.2).abs() < 0.01 && (ky + 0.1).abs() < 0.01, "{rings} rings: {kx} {ky}");
+                    assert!(
+                        (kx - 0.2).abs() < 0.01 && (ky + 0.1).abs() < 0.01,
+                        "{rings} rings: {kx} {ky}"
+                    );
                 }
             }
         }

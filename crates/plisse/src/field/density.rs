@@ -1,15 +1,18 @@
-//! The wrinkle energy of one face, eqs. 20–26 of [Chen 2021], as a polynomial with closed-form derivatives.
+//! The wrinkle energy of one face, eqs. 20–26 of [Chen 2021], as a polynomial with closed-form
+//! derivatives.
 //!
-//! In the orthonormal rest frame, with amplitude a, its gradient d and frequency ω, the density per rest area is
+//! In the orthonormal rest frame, with amplitude a, its gradient d and frequency ω, the density per
+//! rest area is
 //!
 //! ```text
 //! A(d) + a² B(d, ω) + a⁴ C(ω)
 //! A = k₀ + dᵀPd + k₆|d|⁴     B = ωᵀPω + k₂|ω|²|d|² + k₃(ω·d)² + k₄ + k₅|ω|⁴     C = k₇|ω|⁴
 //! ```
 //!
-//! where only P, k₀ and k₄ differ from face to face. d and ω are constant on a face, so the three-point quadrature
-//! (1/6, 1/6, 2/3) of the paper only concerns a² and a⁴. The paper's eq. 1 and 37 carry one ½ more than its eq. 20; without
-//! it, as here, the membrane part is the St. Venant–Kirchhoff energy in joules.
+//! where only P, k₀ and k₄ differ from face to face. d and ω are constant on a face, so the
+//! three-point quadrature (1/6, 1/6, 2/3) of the paper only concerns a² and a⁴. The paper's eq. 1
+//! and 37 carry one ½ more than its eq. 20; without it, as here, the membrane part is the St.
+//! Venant–Kirchhoff energy in joules.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -18,7 +21,8 @@ use crate::mesh::{Mat2, Mat3, Vec2};
 use crate::rest::RestFace;
 use crate::strain::FaceStrain;
 
-/// Which terms of eqs. 20–26 take part. All do by default; switch one off to see what it is for (the paper's ablations).
+/// Which terms of eqs. 20–26 take part. All do by default; switch one off to see what it is for
+/// (the paper's ablations).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
     /// Eq. 21: membrane strain left over after wrinkling.
@@ -31,23 +35,33 @@ pub struct Terms {
     pub amplitude_gradient: bool,
     /// Eq. 26: bending of the wrinkles themselves.
     pub bending: bool,
-    /// In-plane correction v₁ (eq. 16): lets wrinkles adapt to the base surface's curvature. Without it the curvature
-    /// term is ½‖2a ā⁻¹b‖² with the whole second form b (eq. 14 at v₁ = 0).
+    /// In-plane correction v₁ (eq. 16): lets wrinkles adapt to the base surface's curvature.
+    /// Without it the curvature term is ½‖2a ā⁻¹b‖² with the whole second form b (eq. 14 at v₁ =
+    /// 0).
     pub v1: bool,
-    /// In-plane correction v₂ (eq. 16): spreads strain evenly over a period. Without it eqs. 23 and 24 are those of eq. 15
-    /// at v₂ = 0.
+    /// In-plane correction v₂ (eq. 16): spreads strain evenly over a period. Without it eqs. 23 and
+    /// 24 are those of eq. 15 at v₂ = 0.
     pub v2: bool,
 }
 
 impl Default for Terms {
     fn default() -> Self {
-        Self { stretching: true, curvature: true, mixed: true, amplitude_gradient: true, bending: true, v1: true, v2: true }
+        Self {
+            stretching: true,
+            curvature: true,
+            mixed: true,
+            amplitude_gradient: true,
+            bending: true,
+            v1: true,
+            v2: true,
+        }
     }
 }
 
 impl Terms {
     /// Names that [`Terms::without`] knows.
-    pub const NAMES: [&'static str; 7] = ["stretching", "curvature", "mixed", "amplitude-gradient", "bending", "v1", "v2"];
+    pub const NAMES: [&'static str; 7] =
+        ["stretching", "curvature", "mixed", "amplitude-gradient", "bending", "v1", "v2"];
 
     /// These terms without the one called `name`; `None` if there is none of that name.
     #[must_use]
@@ -81,7 +95,8 @@ pub struct EnergyTerms {
     pub bending_joule: f64,
 }
 
-/// Five unknowns of a face: amplitudes at its corners (m), ω along edge 0→1 and along edge 0→2 (rad).
+/// Five unknowns of a face: amplitudes at its corners (m), ω along edge 0→1 and along edge 0→2
+/// (rad).
 pub type Local = SVector<f64, 5>;
 /// Second derivatives in the unknowns of [`Local`].
 pub type LocalHessian = SMatrix<f64, 5, 5>;
@@ -102,12 +117,19 @@ pub struct Density {
 }
 
 /// Amplitude at the three quadrature points.
-const QUADRATURE: [[f64; 3]; 3] = [[1. / 6., 1. / 6., 2. / 3.], [1. / 6., 2. / 3., 1. / 6.], [2. / 3., 1. / 6., 1. / 6.]];
+const QUADRATURE: [[f64; 3]; 3] =
+    [[1. / 6., 1. / 6., 2. / 3.], [1. / 6., 2. / 3., 1. / 6.], [2. / 3., 1. / 6., 1. / 6.]];
 
 impl Density {
-    /// The density of a face with this rest metric and strain, whose base surface has the second fundamental form
-    /// `second_form` (1/m; a symmetric tensor of space, used on tangent vectors).
-    pub fn new(rest: &RestFace, strain: &FaceStrain, second_form: &Mat3, material: &Material, terms: &Terms) -> Self {
+    /// The density of a face with this rest metric and strain, whose base surface has the second
+    /// fundamental form `second_form` (1/m; a symmetric tensor of space, used on tangent vectors).
+    pub fn new(
+        rest: &RestFace,
+        strain: &FaceStrain,
+        second_form: &Mat3,
+        material: &Material,
+        terms: &Terms,
+    ) -> Self {
         let (alpha, beta, h) = (material.alpha(), material.beta(), material.thickness_m);
         let on = |flag: bool| if flag { h / 4.0 } else { 0.0 };
         let gamma = alpha / 2.0 + beta;
@@ -147,7 +169,8 @@ impl Density {
         let (d, w) = self.slow(x);
         let (s, t, u) = (w.norm_squared(), d.norm_squared(), w.dot(&d));
         let a = self.k0 + d.dot(&(self.p * d)) + self.k6 * t * t;
-        let b = w.dot(&(self.p * w)) + self.k2 * s * t + self.k3 * u * u + self.k4 + self.k5 * s * s;
+        let b =
+            w.dot(&(self.p * w)) + self.k2 * s * t + self.k3 * u * u + self.k4 + self.k5 * s * s;
         let (m2, m4) = moments(x);
         self.area * (a + m2 * b + m4 * self.k7 * s * s)
     }
@@ -167,7 +190,10 @@ impl Density {
         let (ww, dd, wd) = (w * w.transpose(), d * d.transpose(), w * d.transpose());
         let one = Mat2::identity();
         let a_dd = self.p * 2.0 + (one * t + dd * 2.0) * (4.0 * self.k6);
-        let b_ww = self.p * 2.0 + one * (2.0 * self.k2 * t + 4.0 * self.k5 * s) + dd * (2.0 * self.k3) + ww * (8.0 * self.k5);
+        let b_ww = self.p * 2.0
+            + one * (2.0 * self.k2 * t + 4.0 * self.k5 * s)
+            + dd * (2.0 * self.k3)
+            + ww * (8.0 * self.k5);
         let b_dd = one * (2.0 * self.k2 * s) + ww * (2.0 * self.k3);
         let b_wd = wd * (4.0 * self.k2) + (one * u + wd.transpose()) * (2.0 * self.k3);
         let c_ww = (one * s + ww * 2.0) * (4.0 * self.k7);
@@ -176,9 +202,11 @@ impl Density {
         let (g2, g4, h2, h4) = moment_derivatives(x);
         let mut gradient = Local::zeros();
         let mut hessian = LocalHessian::zeros();
-        // d = D·a with the constant 2×3 matrix of barycentric gradients, ω = R·(ω₀₁, ω₀₂) with R = L⁻¹.
+        // d = D·a with the constant 2×3 matrix of barycentric gradients, ω = R·(ω₀₁, ω₀₂) with R =
+        // L⁻¹.
         let r = self.inverse_root;
-        let gradients = [-(r.column(0) + r.column(1)), r.column(0).into_owned(), r.column(1).into_owned()];
+        let gradients =
+            [-(r.column(0) + r.column(1)), r.column(0).into_owned(), r.column(1).into_owned()];
         let f_d = a_d + b_d * m2;
         let f_w = b_w * m2 + c_w * m4;
         let f_dd = a_dd + b_dd * m2;
@@ -212,7 +240,10 @@ impl Density {
 
     /// Amplitude gradient (no unit) and frequency (rad/m) in the rest frame.
     fn slow(&self, x: &Local) -> (Vec2, Vec2) {
-        (self.inverse_root * Vec2::new(x[1] - x[0], x[2] - x[0]), self.inverse_root * Vec2::new(x[3], x[4]))
+        (
+            self.inverse_root * Vec2::new(x[1] - x[0], x[2] - x[0]),
+            self.inverse_root * Vec2::new(x[3], x[4]),
+        )
     }
 }
 
@@ -225,13 +256,23 @@ pub fn energy_terms(
     terms: &Terms,
     x: &Local,
 ) -> EnergyTerms {
-    let none = Terms { stretching: false, curvature: false, mixed: false, amplitude_gradient: false, bending: false, ..*terms };
+    let none = Terms {
+        stretching: false,
+        curvature: false,
+        mixed: false,
+        amplitude_gradient: false,
+        bending: false,
+        ..*terms
+    };
     let part = |only: Terms| Density::new(rest, strain, second_form, material, &only).energy(x);
     EnergyTerms {
         stretching_joule: part(Terms { stretching: terms.stretching, ..none }),
         curvature_joule: part(Terms { curvature: terms.curvature, ..none }),
         mixed_joule: part(Terms { mixed: terms.mixed, ..none }),
-        amplitude_gradient_joule: part(Terms { amplitude_gradient: terms.amplitude_gradient, ..none }),
+        amplitude_gradient_joule: part(Terms {
+            amplitude_gradient: terms.amplitude_gradient,
+            ..none
+        }),
         bending_joule: part(Terms { bending: terms.bending, ..none }),
     }
 }
@@ -289,11 +330,29 @@ mod tests {
 
     fn case(seed: u32) -> (Case, Local) {
         let mut r = random(seed);
-        let corner = |r: &mut dyn FnMut() -> f64, x: f64, y: f64| Vec3::new(x + 0.3 * r(), y + 0.3 * r(), 0.0);
-        let rest = RestFace::from_corners([corner(&mut r, 0.0, 0.0), corner(&mut r, 1.0, 0.0), corner(&mut r, 0.0, 1.0)]);
-        let strain = FaceStrain::new(Mat3x2::new(0.9 + 0.1 * r(), 0.2 * r(), 0.2 * r(), 1.05 + 0.1 * r(), 0.1 * r(), 0.1 * r()));
+        let corner = |r: &mut dyn FnMut() -> f64, x: f64, y: f64| {
+            Vec3::new(x + 0.3 * r(), y + 0.3 * r(), 0.0)
+        };
+        let rest = RestFace::from_corners([
+            corner(&mut r, 0.0, 0.0),
+            corner(&mut r, 1.0, 0.0),
+            corner(&mut r, 0.0, 1.0),
+        ]);
+        let strain = FaceStrain::new(Mat3x2::new(
+            0.9 + 0.1 * r(),
+            0.2 * r(),
+            0.2 * r(),
+            1.05 + 0.1 * r(),
+            0.1 * r(),
+            0.1 * r(),
+        ));
         let m = Mat3::from_fn(|_, _| r());
-        let case = Case { rest, strain, second_form: m + m.transpose(), material: Material::new(3.0, 0.3 + 0.2 * r(), 0.4).unwrap() };
+        let case = Case {
+            rest,
+            strain,
+            second_form: m + m.transpose(),
+            material: Material::new(3.0, 0.3 + 0.2 * r(), 0.4).unwrap(),
+        };
         (case, Local::from_fn(|_, _| r()))
     }
 
@@ -312,9 +371,13 @@ mod tests {
                 let (energy, gradient, hessian) = density.derivatives(&x);
                 assert!((energy - density.energy(&x)).abs() <= 1e-14 * energy.abs());
                 let at = |y: &[f64]| Local::from_column_slice(y);
-                let e = gradient_error(x.as_slice(), 1.0, gradient.as_slice(), |y| density.energy(&at(y)));
+                let e = gradient_error(x.as_slice(), 1.0, gradient.as_slice(), |y| {
+                    density.energy(&at(y))
+                });
                 assert!(e < 1e-8, "gradient {e:e} {terms:?}");
-                let e = hessian_error(x.as_slice(), 1.0, hessian.as_slice(), |y| density.derivatives(&at(y)).1.as_slice().to_vec());
+                let e = hessian_error(x.as_slice(), 1.0, hessian.as_slice(), |y| {
+                    density.derivatives(&at(y)).1.as_slice().to_vec()
+                });
                 assert!(e < 1e-7, "hessian {e:e} {terms:?}");
             }
         }
@@ -335,7 +398,9 @@ mod tests {
         let w2 = if !c.strain.is_mixed() {
             0.0
         } else if terms.v1 {
-            4.0 * a * a * kappa * kappa * beta * (alpha + beta) / (alpha + 2.0 * beta) * stretch * stretch
+            4.0 * a * a * kappa * kappa * beta * (alpha + beta) / (alpha + 2.0 * beta)
+                * stretch
+                * stretch
         } else {
             0.5 * m.norm_squared(&(f.transpose() * c.second_form * f * (-2.0 * a)))
         };
@@ -346,7 +411,11 @@ mod tests {
         };
         let wb = a * a / 2.0 * m.norm_squared(&ww);
         let on = |f: bool, v: f64| if f { v } else { 0.0 };
-        h / 4.0 * (on(terms.stretching, w1) + on(terms.curvature, w2) + on(terms.mixed, w3) + on(terms.amplitude_gradient, w4))
+        h / 4.0
+            * (on(terms.stretching, w1)
+                + on(terms.curvature, w2)
+                + on(terms.mixed, w3)
+                + on(terms.amplitude_gradient, w4))
             + h * h * h / 12.0 * on(terms.bending, wb)
     }
 
@@ -358,13 +427,21 @@ mod tests {
                 let density = Density::new(&c.rest, &c.strain, &c.second_form, &c.material, &terms);
                 let d = c.rest.one_form(x[1] - x[0], x[2] - x[0]);
                 let w = c.rest.one_form(x[3], x[4]);
-                let expected: f64 =
-                    QUADRATURE.iter().map(|n| paper_density(&c, n[0] * x[0] + n[1] * x[1] + n[2] * x[2], d, w, &terms)).sum::<f64>()
-                        * c.rest.area_m2
-                        / 3.0;
+                let expected: f64 = QUADRATURE
+                    .iter()
+                    .map(|n| {
+                        paper_density(&c, n[0] * x[0] + n[1] * x[1] + n[2] * x[2], d, w, &terms)
+                    })
+                    .sum::<f64>()
+                    * c.rest.area_m2
+                    / 3.0;
                 let energy = density.energy(&x);
-                assert!((energy - expected).abs() < 1e-13 * expected.abs().max(1e-3), "{energy} {expected} {terms:?}");
-                let parts = energy_terms(&c.rest, &c.strain, &c.second_form, &c.material, &terms, &x);
+                assert!(
+                    (energy - expected).abs() < 1e-13 * expected.abs().max(1e-3),
+                    "{energy} {expected} {terms:?}"
+                );
+                let parts =
+                    energy_terms(&c.rest, &c.strain, &c.second_form, &c.material, &terms, &x);
                 let sum = parts.stretching_joule
                     + parts.curvature_joule
                     + parts.mixed_joule

@@ -16,7 +16,8 @@ struct FieldFile<'a> {
     amplitude: &'a [f64],
     /// `[E]` end vertices of each edge, lower first.
     edges: &'a [[usize; 2]],
-    /// `[E]` frequency one-form (rad) from the lower to the higher vertex; 0 on edges of no wrinkled face.
+    /// `[E]` frequency one-form (rad) from the lower to the higher vertex; 0 on edges of no
+    /// wrinkled face.
     omega: &'a [f64],
     /// `[F][3]` phase (rad) at each corner; 0 on wrinkle-free faces.
     phase: &'a [[f64; 3]],
@@ -28,7 +29,11 @@ struct FieldFile<'a> {
 ///
 /// # Errors
 /// What the writer says.
-pub fn write<W: Write + ?Sized>(out: &mut W, topology: &Topology, field: &WrinkleField) -> std::io::Result<()> {
+pub fn write<W: Write + ?Sized>(
+    out: &mut W,
+    topology: &Topology,
+    field: &WrinkleField,
+) -> std::io::Result<()> {
     let file = FieldFile {
         amplitude: &field.amplitude_m,
         edges: &topology.edges,
@@ -57,8 +62,8 @@ struct FieldText {
 pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
     let bytes = crate::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::mesh(path.display().to_string(), message);
-    let file: FieldText =
-        serde_json::from_slice(&bytes).map_err(|e| bad(format!("this is no field file ({e}); write it again with solve")))?;
+    let file: FieldText = serde_json::from_slice(&bytes)
+        .map_err(|e| bad(format!("this is no field file ({e}); write it again with solve")))?;
     let faces = topology.face_count();
     let fits = file.amplitude.len() == topology.vertex_count
         && file.edges == topology.edges
@@ -66,11 +71,19 @@ pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
         && file.phase.len() == faces
         && file.wrinkle_free.iter().all(|&f| f < faces);
     if !fits {
-        return Err(bad("the field is of another mesh than the one beside it; write both again with solve".to_owned()));
+        return Err(bad(
+            "the field is of another mesh than the one beside it; write both again with solve"
+                .to_owned(),
+        ));
     }
     let mut wrinkle_free = vec![false; faces];
     file.wrinkle_free.iter().for_each(|&f| wrinkle_free[f] = true);
-    Ok(WrinkleField { amplitude_m: file.amplitude, omega: file.omega, phase: file.phase, wrinkle_free })
+    Ok(WrinkleField {
+        amplitude_m: file.amplitude,
+        omega: file.omega,
+        phase: file.phase,
+        wrinkle_free,
+    })
 }
 
 #[cfg(test)]
@@ -89,7 +102,9 @@ mod tests {
         let mut text = Vec::new();
         write(&mut text, &topology, &field).unwrap();
         let back: serde_json::Value = serde_json::from_slice(&text).unwrap();
-        let numbers = |key: &str| -> Vec<f64> { back[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        let numbers = |key: &str| -> Vec<f64> {
+            back[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
+        };
         assert_eq!(numbers("amplitude"), field.amplitude_m);
         assert_eq!(numbers("omega"), field.omega);
         assert_eq!(back["phase"][0][2].as_f64(), Some(0.3));

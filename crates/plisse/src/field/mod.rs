@@ -1,8 +1,10 @@
-//! The wrinkle field: amplitude, frequency and phase over a base surface (sections 3–5 of [Chen 2021]).
+//! The wrinkle field: amplitude, frequency and phase over a base surface (sections 3–5 of [Chen
+//! 2021]).
 //!
 //! [`solve`] makes one from a rest metric and a pose: [`wrinkle_free`] faces are left out, [`curvature`] is fitted,
 //! [`closed_forms`] spans all frequencies that can be integrated, [`initialise`] guesses (after [`comb`]ing), [`problem`] is
-//! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole turns. [`json`] writes fields to files.
+//! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole
+//! turns. [`json`] writes fields to files.
 //! [`mod@scaling_law`] makes one without a solve, for comparison.
 
 pub mod closed_forms;
@@ -27,14 +29,17 @@ pub use wrinkle_free::WrinkleFreeRule;
 
 use crate::mesh::Topology;
 
-/// Wrinkles over a base surface, as HOUSE of the project defines them: made by a solve, shown by displacing or shading.
+/// Wrinkles over a base surface, as HOUSE of the project defines them: made by a solve, shown by
+/// displacing or shading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrinkleField {
     /// `[V]` amplitude (m), ≥ 0.
     pub amplitude_m: Vec<f64>,
-    /// `[E]` frequency one-form (rad), from the lower to the higher vertex of each edge; 0 on edges of no wrinkled face.
+    /// `[E]` frequency one-form (rad), from the lower to the higher vertex of each edge; 0 on edges
+    /// of no wrinkled face.
     pub omega: Vec<f64>,
-    /// `[F][3]` phase (rad) at each corner; at one vertex corners differ by whole multiples of 2π. 0 on wrinkle-free faces.
+    /// `[F][3]` phase (rad) at each corner; at one vertex corners differ by whole multiples of 2π.
+    /// 0 on wrinkle-free faces.
     pub phase: Vec<[f64; 3]>,
     /// `[F]` whether the face is wrinkle-free.
     pub wrinkle_free: Vec<bool>,
@@ -42,7 +47,12 @@ pub struct WrinkleField {
 
 impl WrinkleField {
     /// Frequency (rad/m) of face `f` in its orthonormal rest frame.
-    pub fn frequency(&self, topology: &Topology, rest: &crate::rest::RestMetric, f: usize) -> crate::mesh::Vec2 {
+    pub fn frequency(
+        &self,
+        topology: &Topology,
+        rest: &crate::rest::RestMetric,
+        f: usize,
+    ) -> crate::mesh::Vec2 {
         let along_01 = topology.side_sign(f, 0) * self.omega[topology.face_edges[f][0]];
         let along_02 = -topology.side_sign(f, 2) * self.omega[topology.face_edges[f][2]];
         rest.faces[f].one_form(along_01, along_02)

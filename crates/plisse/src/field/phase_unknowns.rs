@@ -1,10 +1,11 @@
-//! How ω on a face depends on the unknowns that can only make closed forms: a phase per vertex, a coefficient per generator.
+//! How ω on a face depends on the unknowns that can only make closed forms: a phase per vertex, a
+//! coefficient per generator.
 
 use super::closed_forms::ClosedForms;
 use crate::mesh::{NONE, Topology};
 
-/// Numbers the unknowns: a phase for every wrinkled vertex but the root of its component, then a coefficient for each
-/// generator.
+/// Numbers the unknowns: a phase for every wrinkled vertex but the root of its component, then a
+/// coefficient for each generator.
 #[derive(Clone, Debug)]
 pub struct PhaseUnknowns {
     /// `[V]` number of each vertex's phase, [`NONE`] for roots and vertices without wrinkles.
@@ -30,7 +31,12 @@ impl PhaseUnknowns {
     }
 
     /// The unknowns on which ω of face `f` depends, each with the change of (ω₀₁, ω₀₂) with it.
-    pub fn of_face(&self, topology: &Topology, forms: &ClosedForms, f: usize) -> Vec<(usize, [f64; 2])> {
+    pub fn of_face(
+        &self,
+        topology: &Topology,
+        forms: &ClosedForms,
+        f: usize,
+    ) -> Vec<(usize, [f64; 2])> {
         let mut list: Vec<(usize, [f64; 2])> = topology.faces[f]
             .iter()
             .zip([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
@@ -38,7 +44,9 @@ impl PhaseUnknowns {
             .map(|(&v, weight)| (self.of_vertex[v], weight))
             .collect();
         // Side 0 runs 0→1; side 2 runs 2→0, against 0→2.
-        for (which, (side, sign)) in [(0, topology.side_sign(f, 0)), (2, -topology.side_sign(f, 2))].into_iter().enumerate() {
+        for (which, (side, sign)) in
+            [(0, topology.side_sign(f, 0)), (2, -topology.side_sign(f, 2))].into_iter().enumerate()
+        {
             for &(k, value) in &forms.on_edge[topology.face_edges[f][side]] {
                 let unknown = self.phase_count + k;
                 let at = list.iter().position(|(u, _)| *u == unknown).unwrap_or_else(|| {
@@ -59,11 +67,22 @@ impl PhaseUnknowns {
 }
 
 /// `[E]` ω = dφ + Σ cₖHₖ (rad, from lower to higher vertex); zero on edges of no wrinkled face.
-pub fn one_form(topology: &Topology, forms: &ClosedForms, phases: &[f64], coefficients: &[f64]) -> Vec<f64> {
+pub fn one_form(
+    topology: &Topology,
+    forms: &ClosedForms,
+    phases: &[f64],
+    coefficients: &[f64],
+) -> Vec<f64> {
     topology
         .edges
         .iter()
         .enumerate()
-        .map(|(e, &[i, j])| if forms.wrinkled_edge[e] { phases[j] - phases[i] + forms.on(e, coefficients) } else { 0.0 })
+        .map(|(e, &[i, j])| {
+            if forms.wrinkled_edge[e] {
+                phases[j] - phases[i] + forms.on(e, coefficients)
+            } else {
+                0.0
+            }
+        })
         .collect()
 }

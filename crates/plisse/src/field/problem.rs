@@ -1,8 +1,10 @@
-//! The wrinkle energy as a function of amplitudes, phases and periods: what the field solve minimises.
+//! The wrinkle energy as a function of amplitudes, phases and periods: what the field solve
+//! minimises.
 //!
-//! Unknowns, in this order: amplitude of every vertex that may wrinkle, phase of every wrinkled vertex but one a component,
-//! one coefficient c for each generator. Closedness of ω needs no constraint, since every unknown makes closed forms only;
-//! what is left are the bounds a ≥ 0. Amplitudes are in units of [`FieldProblem::amplitude_unit_m`] and energies in units of
+//! Unknowns, in this order: amplitude of every vertex that may wrinkle, phase of every wrinkled
+//! vertex but one a component, one coefficient c for each generator. Closedness of ω needs no
+//! constraint, since every unknown makes closed forms only; what is left are the bounds a ≥ 0.
+//! Amplitudes are in units of [`FieldProblem::amplitude_unit_m`] and energies in units of
 //! [`FieldProblem::energy_unit_joule`], so that neither the solve nor its tolerances depend on the user's units.
 
 use rayon::prelude::*;
@@ -42,7 +44,8 @@ pub struct FieldProblem<'a> {
 
 struct Element {
     density: Density,
-    /// Range in `unknowns` and `weights`; the first `amplitudes` of them are amplitudes, at corners `corner`.
+    /// Range in `unknowns` and `weights`; the first `amplitudes` of them are amplitudes, at corners
+    /// `corner`.
     first: usize,
     last: usize,
     amplitudes: usize,
@@ -58,7 +61,8 @@ struct State {
 }
 
 impl<'a> FieldProblem<'a> {
-    /// The problem on the faces that are not `wrinkle_free` (`[F]`), with zero amplitude at the `held` vertices (`[V]`).
+    /// The problem on the faces that are not `wrinkle_free` (`[F]`), with zero amplitude at the
+    /// `held` vertices (`[V]`).
     pub fn new(
         topology: &'a Topology,
         forms: &'a ClosedForms,
@@ -96,15 +100,31 @@ impl<'a> FieldProblem<'a> {
                 unknowns.push(amplitude_count + unknown);
                 weights.push(weight);
             }
-            elements.push(Element { density: densities[f], first, last: unknowns.len(), amplitudes, corner, first_slot: 0 });
+            elements.push(Element {
+                density: densities[f],
+                first,
+                last: unknowns.len(),
+                amplitudes,
+                corner,
+                first_slot: 0,
+            });
         }
-        let pattern = SymmetricPattern::from_elements(size, elements.iter().map(|e| &unknowns[e.first..e.last]));
+        let pattern = SymmetricPattern::from_elements(
+            size,
+            elements.iter().map(|e| &unknowns[e.first..e.last]),
+        );
         let mut slots = Vec::new();
         for element in &mut elements {
             element.first_slot = slots.len();
-            slots.extend(pattern.element_slots(&unknowns[element.first..element.last]).map(|s| s as u32));
+            slots.extend(
+                pattern.element_slots(&unknowns[element.first..element.last]).map(|s| s as u32),
+            );
         }
-        let states = vec![State { energy: 0.0, gradient: Local::zeros(), hessian: LocalHessian::zeros() }; elements.len()];
+        let states =
+            vec![
+                State { energy: 0.0, gradient: Local::zeros(), hessian: LocalHessian::zeros() };
+                elements.len()
+            ];
         let convex = vec![LocalHessian::zeros(); elements.len()];
         Self {
             topology,
@@ -138,15 +158,17 @@ impl<'a> FieldProblem<'a> {
                 x[self.amplitude_unknown[v]] = amplitude_m[v] / self.amplitude_unit_m;
             }
             if self.closed.of_vertex[v] != NONE {
-                x[self.amplitude_count + self.closed.of_vertex[v]] = phase[v] - phase[self.forms.roots[self.forms.component[v]]];
+                x[self.amplitude_count + self.closed.of_vertex[v]] =
+                    phase[v] - phase[self.forms.roots[self.forms.component[v]]];
             }
         }
         x[self.size - coefficients.len()..].copy_from_slice(coefficients);
         x
     }
 
-    /// Trades amplitude for frequency all over, a → ka and ω → ω/k, so that the energy is least: the compression that is taken up
-    /// stays the same (eq. 8), while bending and curvature find their balance. A field starts in the right valley then.
+    /// Trades amplitude for frequency all over, a → ka and ω → ω/k, so that the energy is least:
+    /// the compression that is taken up stays the same (eq. 8), while bending and curvature find
+    /// their balance. A field starts in the right valley then.
     pub fn rescale(&mut self, x: &mut [f64]) {
         let mut trial = x.to_vec();
         let mut energy = |log_k: f64| {
@@ -157,7 +179,8 @@ impl<'a> FieldProblem<'a> {
             self.energy(&trial)
         };
         let coarse = (-16..=16).map(|n| f64::from(n) * 0.5).map(|log_k| (log_k, energy(log_k)));
-        let (mut best, mut least) = coarse.fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+        let (mut best, mut least) = coarse
+            .fold((0.0, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
         let mut step = 0.25;
         while step > 0.01 {
             for candidate in [best - step, best + step] {
@@ -176,7 +199,10 @@ impl<'a> FieldProblem<'a> {
 
     /// Amplitudes (`[V]`, m; zero where there is no unknown).
     pub fn amplitudes_m(&self, x: &[f64]) -> Vec<f64> {
-        self.amplitude_unknown.iter().map(|&i| if i == NONE { 0.0 } else { x[i] * self.amplitude_unit_m }).collect()
+        self.amplitude_unknown
+            .iter()
+            .map(|&i| if i == NONE { 0.0 } else { x[i] * self.amplitude_unit_m })
+            .collect()
     }
 
     /// Phases (`[V]`, rad; zero at the root of each component and outside).
@@ -189,12 +215,21 @@ impl<'a> FieldProblem<'a> {
         x[self.size - self.forms.generators.len()..].to_vec()
     }
 
-    /// Largest component of a projected gradient in SI units: J/m for amplitudes, J/rad for phases and coefficients.
+    /// Largest component of a projected gradient in SI units: J/m for amplitudes, J/rad for phases
+    /// and coefficients.
     pub fn projected_gradient_si(&self, x: &[f64], gradient: &[f64]) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..self.size {
-            let (lower, unit) = if i < self.amplitude_count { (0.0, self.amplitude_unit_m) } else { (f64::NEG_INFINITY, 1.0) };
-            largest = largest.max(crate::linalg::newton::projected(x[i], lower, gradient[i]).abs() * self.energy_unit_joule / unit);
+            let (lower, unit) = if i < self.amplitude_count {
+                (0.0, self.amplitude_unit_m)
+            } else {
+                (f64::NEG_INFINITY, 1.0)
+            };
+            largest = largest.max(
+                crate::linalg::newton::projected(x[i], lower, gradient[i]).abs()
+                    * self.energy_unit_joule
+                    / unit,
+            );
         }
         largest
     }
@@ -202,7 +237,9 @@ impl<'a> FieldProblem<'a> {
     fn local(&self, element: &Element, x: &[f64]) -> Local {
         let mut local = Local::zeros();
         let range = element.first..element.last;
-        for (n, (&i, w)) in self.unknowns[range.clone()].iter().zip(&self.weights[range]).enumerate() {
+        for (n, (&i, w)) in
+            self.unknowns[range.clone()].iter().zip(&self.weights[range]).enumerate()
+        {
             if n < element.amplitudes {
                 local[element.corner[n]] = x[i] * self.amplitude_unit_m;
             } else {
@@ -220,7 +257,9 @@ impl Problem for FieldProblem<'_> {
     }
 
     fn lower_bounds(&self) -> Vec<f64> {
-        (0..self.size).map(|i| if i < self.amplitude_count { 0.0 } else { f64::NEG_INFINITY }).collect()
+        (0..self.size)
+            .map(|i| if i < self.amplitude_count { 0.0 } else { f64::NEG_INFINITY })
+            .collect()
     }
 
     fn energy(&mut self, x: &[f64]) -> f64 {
@@ -228,28 +267,33 @@ impl Problem for FieldProblem<'_> {
         let sums: Vec<f64> = self
             .elements
             .par_chunks(CHUNK)
-            .map(|chunk| chunk.iter().map(|element| element.density.energy(&self.local(element, x))).sum())
+            .map(|chunk| {
+                chunk.iter().map(|element| element.density.energy(&self.local(element, x))).sum()
+            })
             .collect();
         sums.iter().sum::<f64>() / self.energy_unit_joule
     }
 
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let mut states = std::mem::take(&mut self.states);
-        states.par_chunks_mut(CHUNK).zip(self.elements.par_chunks(CHUNK)).for_each(|(states, elements)| {
-            for (state, element) in states.iter_mut().zip(elements) {
-                (state.energy, state.gradient, state.hessian) = element.density.derivatives(&self.local(element, x));
-                // From here on in the units of the unknowns.
-                for i in 0..3 {
-                    state.gradient[i] *= self.amplitude_unit_m;
-                    for j in 0..5 {
-                        state.hessian[(i, j)] *= self.amplitude_unit_m;
-                        state.hessian[(j, i)] *= self.amplitude_unit_m;
+        states.par_chunks_mut(CHUNK).zip(self.elements.par_chunks(CHUNK)).for_each(
+            |(states, elements)| {
+                for (state, element) in states.iter_mut().zip(elements) {
+                    (state.energy, state.gradient, state.hessian) =
+                        element.density.derivatives(&self.local(element, x));
+                    // From here on in the units of the unknowns.
+                    for i in 0..3 {
+                        state.gradient[i] *= self.amplitude_unit_m;
+                        for j in 0..5 {
+                            state.hessian[(i, j)] *= self.amplitude_unit_m;
+                            state.hessian[(j, i)] *= self.amplitude_unit_m;
+                        }
                     }
+                    state.gradient /= self.energy_unit_joule;
+                    state.hessian /= self.energy_unit_joule;
                 }
-                state.gradient /= self.energy_unit_joule;
-                state.hessian /= self.energy_unit_joule;
-            }
-        });
+            },
+        );
         self.states = states;
         gradient.fill(0.0);
         for (state, element) in self.states.iter().zip(&self.elements) {
@@ -262,16 +306,19 @@ impl Problem for FieldProblem<'_> {
                 };
             }
         }
-        let sums = self.states.chunks(CHUNK).map(|chunk| chunk.iter().map(|s| s.energy).sum::<f64>());
+        let sums =
+            self.states.chunks(CHUNK).map(|chunk| chunk.iter().map(|s| s.energy).sum::<f64>());
         sums.sum::<f64>() / self.energy_unit_joule
     }
 
     fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
-        self.convex.par_chunks_mut(CHUNK).zip(self.states.par_chunks(CHUNK)).for_each(|(convex, states)| {
-            for (convex, state) in convex.iter_mut().zip(states) {
-                *convex = convexify(&state.hessian, convexity);
-            }
-        });
+        self.convex.par_chunks_mut(CHUNK).zip(self.states.par_chunks(CHUNK)).for_each(
+            |(convex, states)| {
+                for (convex, state) in convex.iter_mut().zip(states) {
+                    *convex = convexify(&state.hessian, convexity);
+                }
+            },
+        );
         values.fill(0.0);
         for (h, element) in self.convex.iter().zip(&self.elements) {
             let mut slot = element.first_slot;

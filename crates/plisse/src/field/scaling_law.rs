@@ -1,14 +1,16 @@
-//! Wrinkles by the scaling law of Vandeparre et al. 2011 instead of a solve, as Zuenko & Harders 2019 suggest and figures 8 and 10 of
-//! [Chen 2021] show: the wavelength depends on nothing but the distance to the nearest clamped edge, the tension along the
-//! wrinkles and the sheet.
+//! Wrinkles by the scaling law of Vandeparre et al. 2011 instead of a solve, as Zuenko & Harders
+//! 2019 suggest and figures 8 and 10 of [Chen 2021] show: the wavelength depends on nothing but the
+//! distance to the nearest clamped edge, the tension along the wrinkles and the sheet.
 //!
-//! At a clamped edge wrinkles are infinitely fine and merge in pairs on their way inward. Merging takes the longer the stiffer the
-//! sheet is against it, dλ/dx ~ λ/L. Under a tension T (N/m) the length of a merger is L ~ λ²√(T/B), so λ ~ (B/T)^¼ x^½. Without
-//! tension the sheet's own stretching resists, L ~ λ^{3/2} δ^¼/h^½, so λ ~ h^⅓ δ^{-1/6} x^⅔ with the compression δ. The finer
-//! wavelength of both is taken.
+//! At a clamped edge wrinkles are infinitely fine and merge in pairs on their way inward. Merging
+//! takes the longer the stiffer the sheet is against it, dλ/dx ~ λ/L. Under a tension T (N/m) the
+//! length of a merger is L ~ λ²√(T/B), so λ ~ (B/T)^¼ x^½. Without tension the sheet's own
+//! stretching resists, L ~ λ^{3/2} δ^¼/h^½, so λ ~ h^⅓ δ^{-1/6} x^⅔ with the compression δ. The
+//! finer wavelength of both is taken.
 //!
-//! The law has no prefactors. Under tension ours, 2√(2π), makes the wavelength in the middle between two clamps that of Cerda &
-//! Mahadevan 2003, 2√π (B/T)^¼ √length, for the sheet for which they derived it; without tension it is 1.
+//! The law has no prefactors. Under tension ours, 2√(2π), makes the wavelength in the middle
+//! between two clamps that of Cerda & Mahadevan 2003, 2√π (B/T)^¼ √length, for the sheet for which
+//! they derived it; without tension it is 1.
 //!
 //! Limits: the law knows no free edges, no curvature, and nothing of why the sheet is compressed.
 
@@ -28,7 +30,8 @@ const UNDER_TENSION: f64 = 5.013_256_549_262_001;
 /// A field that follows the law.
 #[derive(Clone, Debug)]
 pub struct ScalingLaw {
-    /// The field: amplitudes that take up the compression at the law's wavelength; frequency: the closed form nearest to the law's.
+    /// The field: amplitudes that take up the compression at the law's wavelength; frequency: the
+    /// closed form nearest to the law's.
     pub field: WrinkleField,
     /// `[b₁]` periods, the largest first.
     pub periods: Vec<Period>,
@@ -52,11 +55,29 @@ pub fn scaling_law(
 ) -> Result<ScalingLaw> {
     let distance_m = distances(topology, positions, held)?;
     let strain = strain(topology, rest, positions);
-    let wavelength_m: Vec<f64> = strain.iter().zip(&distance_m).map(|(s, &x)| wavelength(material, s, x)).collect();
+    let wavelength_m: Vec<f64> =
+        strain.iter().zip(&distance_m).map(|(s, &x)| wavelength(material, s, x)).collect();
     let (wrinkle_free, still) = where_nothing_wrinkles(topology, &strain, held, options);
     let forms = ClosedForms::new(topology, &wrinkle_free);
-    let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, &wavelength_m)?;
-    let phased = with_phase(topology, rest, &forms, &wrinkle_free, guess.amplitude_m, &guess.phases, &guess.coefficients)?;
+    let guess = first_guess(
+        topology,
+        rest,
+        positions,
+        &strain,
+        &forms,
+        &wrinkle_free,
+        &still,
+        &wavelength_m,
+    )?;
+    let phased = with_phase(
+        topology,
+        rest,
+        &forms,
+        &wrinkle_free,
+        guess.amplitude_m,
+        &guess.phases,
+        &guess.coefficients,
+    )?;
     Ok(ScalingLaw { field: phased.field, periods: phased.periods, distance_m, wavelength_m })
 }
 
@@ -68,20 +89,29 @@ fn wavelength(material: &Material, strain: &FaceStrain, x: f64) -> f64 {
     let light = h.cbrt() * delta.powf(-1.0 / 6.0) * x.powf(2.0 / 3.0);
     // Nothing resists across the wrinkles, so the tension is that of a pulled strip.
     let tension = material.young_pa * h * 0.5 * strain.principal[1].max(0.0);
-    let bending = material.young_pa * h.powi(3) / (12.0 * (1.0 - material.poisson * material.poisson));
+    let bending =
+        material.young_pa * h.powi(3) / (12.0 * (1.0 - material.poisson * material.poisson));
     let heavy = UNDER_TENSION * (bending / tension).powf(0.25) * x.sqrt();
     light.min(heavy)
 }
 
-/// `[F]` distance (m) of each face's centroid from the nearest edge with both ends held; from the nearest held vertex if there is none.
+/// `[F]` distance (m) of each face's centroid from the nearest edge with both ends held; from the
+/// nearest held vertex if there is none.
 fn distances(topology: &Topology, positions: &[Vec3], held: &[bool]) -> Result<Vec<f64>> {
-    let mut pieces: Vec<[Vec3; 2]> =
-        topology.edges.iter().filter(|e| e.iter().all(|&v| held[v])).map(|e| e.map(|v| positions[v])).collect();
+    let mut pieces: Vec<[Vec3; 2]> = topology
+        .edges
+        .iter()
+        .filter(|e| e.iter().all(|&v| held[v]))
+        .map(|e| e.map(|v| positions[v]))
+        .collect();
     if pieces.is_empty() {
         pieces = (0..positions.len()).filter(|&v| held[v]).map(|v| [positions[v]; 2]).collect();
     }
     if pieces.is_empty() {
-        return Err(Error::value("clamps", "the scaling law begins at clamped edges, and nothing is held; clamp an edge"));
+        return Err(Error::value(
+            "clamps",
+            "the scaling law begins at clamped edges, and nothing is held; clamp an edge",
+        ));
     }
     let nearest = |face: &[usize; 3]| {
         let centre = face.iter().map(|&v| positions[v]).sum::<Vec3>() / 3.0;
@@ -93,7 +123,11 @@ fn distances(topology: &Topology, positions: &[Vec3], held: &[bool]) -> Result<V
 /// Distance of `p` from the segment between two points.
 fn to_segment(p: Vec3, [from, to]: [Vec3; 2]) -> f64 {
     let along = to - from;
-    let share = if along == Vec3::zeros() { 0.0 } else { ((p - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0) };
+    let share = if along == Vec3::zeros() {
+        0.0
+    } else {
+        ((p - from).dot(&along) / along.norm_squared()).clamp(0.0, 1.0)
+    };
     (p - from - along * share).norm()
 }
 
@@ -118,8 +152,13 @@ mod tests {
         let material = Material::new(1e6, 0.5, 1e-4).unwrap();
         let (length, pull) = (0.25, 0.05);
         let bending = 1e6 * 1e-12 / (12.0 * 0.75);
-        let expected = 2.0 * std::f64::consts::PI.sqrt() * f64::powf(bending / (1e6 * 1e-4 * pull), 0.25) * f64::sqrt(length);
-        assert!((wavelength(&material, &face(pull, 0.01), 0.5 * length) / expected - 1.0).abs() < 1e-9);
+        let expected = 2.0
+            * std::f64::consts::PI.sqrt()
+            * f64::powf(bending / (1e6 * 1e-4 * pull), 0.25)
+            * f64::sqrt(length);
+        assert!(
+            (wavelength(&material, &face(pull, 0.01), 0.5 * length) / expected - 1.0).abs() < 1e-9
+        );
     }
 
     #[test]
@@ -144,7 +183,11 @@ mod tests {
         let topology = Topology::new("t", 3, vec![[0, 1, 2]]).unwrap();
         let positions = [Vec3::zeros(), Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         assert_eq!(distances(&topology, &positions, &[true, true, false]).unwrap(), [1.0]);
-        assert!((distances(&topology, &positions, &[true, false, false]).unwrap()[0] - 2.0_f64.sqrt()).abs() < 1e-15);
+        assert!(
+            (distances(&topology, &positions, &[true, false, false]).unwrap()[0] - 2.0_f64.sqrt())
+                .abs()
+                < 1e-15
+        );
         assert!(distances(&topology, &positions, &[false; 3]).is_err());
     }
 }

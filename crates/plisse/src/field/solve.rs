@@ -19,7 +19,8 @@ use crate::rest::RestMetric;
 use crate::strain::{FaceStrain, strain};
 use crate::{Error, Result};
 
-/// The solve ends with a Newton step that was to lower the energy by less than this share of what the wrinkled faces hold before they wrinkle.
+/// The solve ends with a Newton step that was to lower the energy by less than this share of what
+/// the wrinkled faces hold before they wrinkle.
 const LEAST_FALL: f64 = 1e-13;
 
 /// How the field is solved.
@@ -29,14 +30,16 @@ pub struct FieldOptions {
     pub rule: WrinkleFreeRule,
     /// Which terms of the energy take part.
     pub terms: Terms,
-    /// Whether ω may be unclosed on wrinkle-free faces (section 5.1). If not, no face is wrinkle-free, for ablation.
+    /// Whether ω may be unclosed on wrinkle-free faces (section 5.1). If not, no face is
+    /// wrinkle-free, for ablation.
     pub relaxed_integrability: bool,
     /// Rings of vertices that curvature is fitted to.
     pub curvature_rings: usize,
     /// How indefinite element Hessians are treated before the true Hessian takes over.
     pub convexity: Convexity,
-    /// Largest component of the projected gradient at which the solve ends, in the problem's own units; it ends, too, with a step by
-    /// which next to nothing is to be gained (10⁻¹³ of the energy).
+    /// Largest component of the projected gradient at which the solve ends, in the problem's own
+    /// units; it ends, too, with a step by which next to nothing is to be gained (10⁻¹³ of the
+    /// energy).
     pub tolerance: f64,
     /// Newton iterations at most.
     pub iteration_limit: usize,
@@ -74,7 +77,8 @@ pub struct FieldReport {
     pub iterations: usize,
     /// Why they ended.
     pub ending: Ending,
-    /// Energy of the wrinkled faces (J), before rounding, without the constant bending of the base surface.
+    /// Energy of the wrinkled faces (J), before rounding, without the constant bending of the base
+    /// surface.
     pub energy_joule: f64,
     /// The same by terms.
     pub energy_terms: EnergyTerms,
@@ -101,7 +105,8 @@ pub struct Solved {
     pub report: FieldReport,
 }
 
-/// The wrinkle field of least energy over a pose (`[V]`, m), with zero amplitude at the `held` vertices (`[V]`; clamped ones).
+/// The wrinkle field of least energy over a pose (`[V]`, m), with zero amplitude at the `held`
+/// vertices (`[V]`; clamped ones).
 ///
 /// # Errors
 /// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex, or the sheet is not thin; [`Error::Numeric`] if the energy is not
@@ -118,7 +123,10 @@ pub fn solve(
     if held.len() != topology.vertex_count || positions.len() != topology.vertex_count {
         return Err(Error::value(
             "positions",
-            format!("give one position and one clamp flag for each of the {} vertices", topology.vertex_count),
+            format!(
+                "give one position and one clamp flag for each of the {} vertices",
+                topology.vertex_count
+            ),
         ));
     }
     material.check_thin(rest.area_m2())?;
@@ -127,15 +135,35 @@ pub fn solve(
     let (wrinkle_free, still) = where_nothing_wrinkles(topology, &strain, held, options);
     let forms = ClosedForms::new(topology, &wrinkle_free);
     let curvature = second_forms(topology, positions, options.curvature_rings);
-    let densities: Vec<Density> =
-        (0..topology.face_count()).map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms)).collect();
-    let wrinkle_free_energy_joule =
-        (0..topology.face_count()).filter(|&f| wrinkle_free[f]).fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
+    let densities: Vec<Density> = (0..topology.face_count())
+        .map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms))
+        .collect();
+    let wrinkle_free_energy_joule = (0..topology.face_count())
+        .filter(|&f| wrinkle_free[f])
+        .fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
 
     let wavelength_m = first_wavelength_m(material, positions);
-    let guess = first_guess(topology, rest, positions, &strain, &forms, &wrinkle_free, &still, &vec![wavelength_m; topology.face_count()])?;
-    let (amplitude_unit_m, energy_unit_joule) = units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
-    let mut problem = FieldProblem::new(topology, &forms, &wrinkle_free, &still, &densities, amplitude_unit_m, energy_unit_joule);
+    let guess = first_guess(
+        topology,
+        rest,
+        positions,
+        &strain,
+        &forms,
+        &wrinkle_free,
+        &still,
+        &vec![wavelength_m; topology.face_count()],
+    )?;
+    let (amplitude_unit_m, energy_unit_joule) =
+        units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
+    let mut problem = FieldProblem::new(
+        topology,
+        &forms,
+        &wrinkle_free,
+        &still,
+        &densities,
+        amplitude_unit_m,
+        energy_unit_joule,
+    );
     let mut start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
     problem.rescale(&mut start);
     let newton = Options {
@@ -151,7 +179,10 @@ pub fn solve(
     };
     let outcome = minimise(&mut problem, &start, &newton, observer)?;
     if !outcome.energy.is_finite() {
-        return Err(Error::numeric("field", "the energy is not a finite number; check the material's constants and the pose's size"));
+        return Err(Error::numeric(
+            "field",
+            "the energy is not a finite number; check the material's constants and the pose's size",
+        ));
     }
     let amplitude_m = problem.amplitudes_m(&outcome.x);
     let (phases, coefficients) = (problem.phases(&outcome.x), problem.coefficients(&outcome.x));
@@ -159,8 +190,10 @@ pub fn solve(
     let field_seconds = begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
-    let Phased { field, periods, rounding_exact } = with_phase(topology, rest, &forms, &wrinkle_free, amplitude_m, &phases, &coefficients)?;
-    let energy_terms = sum_of_terms(topology, rest, &strain, &curvature, material, &options.terms, &field);
+    let Phased { field, periods, rounding_exact } =
+        with_phase(topology, rest, &forms, &wrinkle_free, amplitude_m, &phases, &coefficients)?;
+    let energy_terms =
+        sum_of_terms(topology, rest, &strain, &curvature, material, &options.terms, &field);
     let report = FieldReport {
         iterations: outcome.iterations,
         ending: outcome.ending,
@@ -177,7 +210,8 @@ pub fn solve(
     Ok(Solved { field, report })
 }
 
-/// Energy of `field` on the pose `positions` (`[V]`, m) by terms: of its wrinkled faces, without the constant bending of the base surface.
+/// Energy of `field` on the pose `positions` (`[V]`, m) by terms: of its wrinkled faces, without
+/// the constant bending of the base surface.
 pub fn energy(
     topology: &Topology,
     rest: &RestMetric,
@@ -187,7 +221,15 @@ pub fn energy(
     field: &WrinkleField,
 ) -> EnergyTerms {
     let curvature = second_forms(topology, positions, options.curvature_rings);
-    sum_of_terms(topology, rest, &strain(topology, rest, positions), &curvature, material, &options.terms, field)
+    sum_of_terms(
+        topology,
+        rest,
+        &strain(topology, rest, positions),
+        &curvature,
+        material,
+        &options.terms,
+        field,
+    )
 }
 
 fn sum_of_terms(
@@ -212,15 +254,19 @@ fn sum_of_terms(
     sum
 }
 
-/// The wrinkle-free faces (`[F]`), and the vertices (`[V]`) whose amplitude is zero because they touch one or are `held`.
+/// The wrinkle-free faces (`[F]`), and the vertices (`[V]`) whose amplitude is zero because they
+/// touch one or are `held`.
 pub(super) fn where_nothing_wrinkles(
     topology: &Topology,
     strain: &[FaceStrain],
     held: &[bool],
     options: &FieldOptions,
 ) -> (Vec<bool>, Vec<bool>) {
-    let wrinkle_free =
-        if options.relaxed_integrability { wrinkle_free_faces(topology, strain, options.rule) } else { vec![false; topology.face_count()] };
+    let wrinkle_free = if options.relaxed_integrability {
+        wrinkle_free_faces(topology, strain, options.rule)
+    } else {
+        vec![false; topology.face_count()]
+    };
     let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
     for (still, &held) in still.iter_mut().zip(held) {
         *still |= held;
@@ -236,7 +282,8 @@ pub(super) struct Phased {
     pub(super) rounding_exact: bool,
 }
 
-/// The field of these amplitudes (`[V]`, m), phases (`[V]`, rad) and coefficients (`[b₁]`, rad): its ω as they say, its phase rounded to whole turns.
+/// The field of these amplitudes (`[V]`, m), phases (`[V]`, rad) and coefficients (`[b₁]`, rad):
+/// its ω as they say, its phase rounded to whole turns.
 pub(super) fn with_phase(
     topology: &Topology,
     rest: &RestMetric,
@@ -248,7 +295,8 @@ pub(super) fn with_phase(
 ) -> Result<Phased> {
     let omega = one_form(topology, forms, phases, coefficients);
     let weight: Vec<f64> = wrinkle_free.iter().map(|&free| if free { 0.0 } else { 1.0 }).collect();
-    let rounded = ClosestClosedForm::new(topology, rest, forms, &weight)?.with_whole_periods(phases, coefficients);
+    let rounded = ClosestClosedForm::new(topology, rest, forms, &weight)?
+        .with_whole_periods(phases, coefficients);
     let phase = corner_phases(topology, forms, wrinkle_free, &rounded.phases, &rounded.turns);
     let mut periods: Vec<Period> = (0..coefficients.len())
         .map(|k| Period {
@@ -257,7 +305,9 @@ pub(super) fn with_phase(
             loop_edges: forms.loop_lengths[k],
         })
         .collect();
-    periods.sort_by(|p, q| q.turns.cmp(&p.turns).then(q.before_rounding.total_cmp(&p.before_rounding)));
+    periods.sort_by(|p, q| {
+        q.turns.cmp(&p.turns).then(q.before_rounding.total_cmp(&p.before_rounding))
+    });
     let field = WrinkleField { amplitude_m, omega, phase, wrinkle_free: wrinkle_free.to_vec() };
     Ok(Phased { field, periods, rounding_exact: rounded.exact })
 }
@@ -274,9 +324,15 @@ fn local_unknowns(topology: &Topology, field: &WrinkleField, f: usize) -> Local 
     ])
 }
 
-/// Metres in a unit of amplitude and joules in a unit of energy: the root mean square of the first guess, and what the
-/// wrinkled faces hold before they wrinkle.
-fn units(rest: &RestMetric, strain: &[FaceStrain], wrinkle_free: &[bool], densities: &[Density], wavelength_m: f64) -> (f64, f64) {
+/// Metres in a unit of amplitude and joules in a unit of energy: the root mean square of the first
+/// guess, and what the wrinkled faces hold before they wrinkle.
+fn units(
+    rest: &RestMetric,
+    strain: &[FaceStrain],
+    wrinkle_free: &[bool],
+    densities: &[Density],
+    wavelength_m: f64,
+) -> (f64, f64) {
     let (mut area, mut squares, mut energy) = (0.0, 0.0, 0.0);
     for f in (0..strain.len()).filter(|&f| !wrinkle_free[f]) {
         area += rest.faces[f].area_m2;
@@ -289,8 +345,16 @@ fn units(rest: &RestMetric, strain: &[FaceStrain], wrinkle_free: &[bool], densit
 }
 
 /// `[F][3]` phase at each corner: the vertex's phase plus whole turns.
-fn corner_phases(topology: &Topology, forms: &ClosedForms, wrinkle_free: &[bool], phases: &[f64], turns: &[i64]) -> Vec<[f64; 3]> {
-    let whole = |e: usize| forms.on_edge[e].iter().map(|&(k, value)| turns[k] * i64::from(value)).sum::<i64>();
+fn corner_phases(
+    topology: &Topology,
+    forms: &ClosedForms,
+    wrinkle_free: &[bool],
+    phases: &[f64],
+    turns: &[i64],
+) -> Vec<[f64; 3]> {
+    let whole = |e: usize| {
+        forms.on_edge[e].iter().map(|&(k, value)| turns[k] * i64::from(value)).sum::<i64>()
+    };
     topology
         .faces
         .iter()

@@ -6,7 +6,8 @@ use super::WrinkleField;
 use crate::mesh::Topology;
 use crate::rest::RestMetric;
 
-/// Mean amplitude of a face, relative to the largest of all vertices, from which it counts as visibly wrinkled.
+/// Mean amplitude of a face, relative to the largest of all vertices, from which it counts as
+/// visibly wrinkled.
 const VISIBLE: f64 = 0.01;
 
 /// Wavelengths (m) of the visibly wrinkled faces of a field.
@@ -26,14 +27,17 @@ impl WrinkleField {
         self.amplitude_m.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Wavelengths of the wrinkled faces whose amplitude is at least 1 % of the largest; `None` where nothing wrinkles.
+    /// Wavelengths of the wrinkled faces whose amplitude is at least 1 % of the largest; `None`
+    /// where nothing wrinkles.
     pub fn wavelengths(&self, topology: &Topology, rest: &RestMetric) -> Option<Wavelengths> {
         let largest = self.largest_amplitude_m();
         let visible = |f: &usize| {
             let mean = topology.faces[*f].iter().map(|&v| self.amplitude_m[v]).sum::<f64>() / 3.0;
             !self.wrinkle_free[*f] && largest > 0.0 && mean >= VISIBLE * largest
         };
-        let lengths = (0..topology.face_count()).filter(visible).map(|f| std::f64::consts::TAU / self.frequency(topology, rest, f).norm());
+        let lengths = (0..topology.face_count())
+            .filter(visible)
+            .map(|f| std::f64::consts::TAU / self.frequency(topology, rest, f).norm());
         let mut list: Vec<f64> = lengths.filter(|w| w.is_finite()).collect();
         list.sort_by(f64::total_cmp);
         Some(Wavelengths { min: *list.first()?, median: list[list.len() / 2], max: *list.last()? })

@@ -6,12 +6,12 @@ use crate::strain::FaceStrain;
 /// How wrinkle-free faces are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrinkleFreeRule {
-    /// Section 5.1 of [Chen 2021]: the lower principal strain, averaged with the neighbours', is positive; then lonely
-    /// faces leave and lonely holes are filled.
+    /// Section 5.1 of [Chen 2021]: the lower principal strain, averaged with the neighbours', is
+    /// positive; then lonely faces leave and lonely holes are filled.
     #[default]
     Paper,
-    /// What the published code does: the lower principal strain is not negative, and every face all of whose vertices touch
-    /// such a face.
+    /// What the published code does: the lower principal strain is not negative, and every face all
+    /// of whose vertices touch such a face.
     Published,
 }
 
@@ -19,7 +19,11 @@ pub enum WrinkleFreeRule {
 const ROUNDING: f64 = 1e-10;
 
 /// `[F]` whether each face is wrinkle-free.
-pub fn wrinkle_free_faces(topology: &Topology, strain: &[FaceStrain], rule: WrinkleFreeRule) -> Vec<bool> {
+pub fn wrinkle_free_faces(
+    topology: &Topology,
+    strain: &[FaceStrain],
+    rule: WrinkleFreeRule,
+) -> Vec<bool> {
     match rule {
         WrinkleFreeRule::Paper => by_paper(topology, strain),
         WrinkleFreeRule::Published => by_published_code(topology, strain),
@@ -51,7 +55,8 @@ fn by_paper(topology: &Topology, strain: &[FaceStrain]) -> Vec<bool> {
         .collect();
     (0..topology.face_count())
         .map(|f| {
-            let (inside, all) = neighbours(f).fold((0, 0), |(inside, all), g| (inside + usize::from(averaged[g]), all + 1));
+            let (inside, all) = neighbours(f)
+                .fold((0, 0), |(inside, all), g| (inside + usize::from(averaged[g]), all + 1));
             if averaged[f] { inside > 0 || all == 0 } else { all == 3 && inside == 3 }
         })
         .collect()
@@ -60,7 +65,12 @@ fn by_paper(topology: &Topology, strain: &[FaceStrain]) -> Vec<bool> {
 fn by_published_code(topology: &Topology, strain: &[FaceStrain]) -> Vec<bool> {
     let seed: Vec<bool> = strain.iter().map(|s| s.principal[0] >= -ROUNDING).collect();
     let touched = wrinkle_free_vertices(topology, &seed);
-    topology.faces.iter().zip(&seed).map(|(face, &free)| free || face.iter().all(|&v| touched[v])).collect()
+    topology
+        .faces
+        .iter()
+        .zip(&seed)
+        .map(|(face, &free)| free || face.iter().all(|&v| touched[v]))
+        .collect()
 }
 
 #[cfg(test)]
@@ -74,7 +84,9 @@ mod tests {
 
     /// A strip of `n` triangles.
     fn strip(n: usize) -> Topology {
-        let faces = (0..n).map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] }).collect();
+        let faces = (0..n)
+            .map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] })
+            .collect();
         Topology::new("strip", n + 2, faces).unwrap()
     }
 
@@ -91,7 +103,8 @@ mod tests {
     #[test]
     fn an_undeformed_sheet_has_no_wrinkles() {
         let t = strip(9);
-        let strains: Vec<_> = (0..9).map(|f| state(if f % 2 == 0 { 1e-15 } else { -1e-15 })).collect();
+        let strains: Vec<_> =
+            (0..9).map(|f| state(if f % 2 == 0 { 1e-15 } else { -1e-15 })).collect();
         for rule in [WrinkleFreeRule::Paper, WrinkleFreeRule::Published] {
             assert!(wrinkle_free_faces(&t, &strains, rule).iter().all(|f| *f));
         }
@@ -100,9 +113,11 @@ mod tests {
     #[test]
     fn the_published_rule_adds_faces_that_touch_all_round() {
         let t = strip(9);
-        let strains: Vec<_> = (0..9).map(|f| state(if f == 2 || f == 5 { 0.01 } else { -0.1 })).collect();
+        let strains: Vec<_> =
+            (0..9).map(|f| state(if f == 2 || f == 5 { 0.01 } else { -0.1 })).collect();
         let free = wrinkle_free_faces(&t, &strains, WrinkleFreeRule::Published);
-        // Face 2 has vertices 2..=4 and face 5 has 5..=7, so faces 3 (3, 4, 5) and 4 (4, 5, 6) are surrounded.
+        // Face 2 has vertices 2..=4 and face 5 has 5..=7, so faces 3 (3, 4, 5) and 4 (4, 5, 6) are
+        // surrounded.
         assert_eq!(free, [false, false, true, true, true, true, false, false, false]);
     }
 }

@@ -1,9 +1,10 @@
 //! Rigid bands: sets of vertices that move as one.
 //!
-//! A band is an affine body (Lan et al. 2022, *Affine Body Dynamics*): with p the place of a vertex about the band's centre, over the
-//! band's size, all its displacements are D·p + t, with twelve unknowns in place of three for each vertex. D is linear in them, so that what
-//! is quadratic in the displacements stays so; K·‖FᵀF − I‖² with F = I + D·(unit/size) and a large K keeps it a rotation, and what is
-//! read off in the end is the nearest rotation exactly.
+//! A band is an affine body (Lan et al. 2022, *Affine Body Dynamics*): with p the place of a vertex
+//! about the band's centre, over the band's size, all its displacements are D·p + t, with twelve
+//! unknowns in place of three for each vertex. D is linear in them, so that what is quadratic in
+//! the displacements stays so; K·‖FᵀF − I‖² with F = I + D·(unit/size) and a large K keeps it a
+//! rotation, and what is read off in the end is the nearest rotation exactly.
 
 use nalgebra::SMatrix;
 
@@ -34,10 +35,16 @@ struct Body {
 }
 
 impl Body {
-    /// Unknowns of the nearest rigid motion of the band to `pose` (`[V]`, m), in units of `length_m`.
+    /// Unknowns of the nearest rigid motion of the band to `pose` (`[V]`, m), in units of
+    /// `length_m`.
     fn fit(&self, start: &[Vec3], pose: &[Vec3], length_m: f64) -> [f64; UNKNOWNS] {
-        let mean = self.vertices.iter().map(|&v| pose[v]).sum::<Vec3>() / self.vertices.len() as f64;
-        let turned: Mat3 = self.vertices.iter().map(|&v| (pose[v] - mean) * (start[v] - self.centre).transpose()).sum();
+        let mean =
+            self.vertices.iter().map(|&v| pose[v]).sum::<Vec3>() / self.vertices.len() as f64;
+        let turned: Mat3 = self
+            .vertices
+            .iter()
+            .map(|&v| (pose[v] - mean) * (start[v] - self.centre).transpose())
+            .sum();
         let rotation = nearest_rotation(&turned);
         let change = (rotation - Mat3::identity()) * (self.size_m / length_m);
         let shift = (mean - self.centre) / length_m;
@@ -46,7 +53,8 @@ impl Body {
 
     /// F = I + D·(unit/size).
     fn deformation(&self, x: &[f64], length_m: f64) -> Mat3 {
-        Mat3::identity() + Mat3::from_fn(|i, j| x[self.first + 3 * i + j]) * (length_m / self.size_m)
+        Mat3::identity()
+            + Mat3::from_fn(|i, j| x[self.first + 3 * i + j]) * (length_m / self.size_m)
     }
 
     /// K‖FᵀF − I‖².
@@ -115,13 +123,22 @@ pub(super) fn check_bands(bands: &[Vec<usize>], frozen: &[[bool; 3]]) -> Result<
         }
         for &v in band {
             if v >= frozen.len() {
-                return Err(Error::value(place, format!("it names vertex {v} of {}; name those there are", frozen.len())));
+                return Err(Error::value(
+                    place,
+                    format!("it names vertex {v} of {}; name those there are", frozen.len()),
+                ));
             }
             if frozen[v].contains(&true) {
-                return Err(Error::value(place, format!("vertex {v} is frozen and in the band; let it be one of them")));
+                return Err(Error::value(
+                    place,
+                    format!("vertex {v} is frozen and in the band; let it be one of them"),
+                ));
             }
             if of[v] != NONE {
-                let message = format!("vertex {v} is in band {} too; let bands keep apart, or make them one", of[v]);
+                let message = format!(
+                    "vertex {v} is in band {} too; let bands keep apart, or make them one",
+                    of[v]
+                );
                 return Err(Error::value(place, message));
             }
             of[v] = b;
@@ -131,16 +148,27 @@ pub(super) fn check_bands(bands: &[Vec<usize>], frozen: &[[bool; 3]]) -> Result<
 }
 
 impl<P: Problem> Banded<P> {
-    /// `inner` with its `bands` held together; `unknown` (`[V][3]`) are its unknowns, displacements in units of `length_m` from `start`.
-    /// `area_m2` (`[V]`) is each vertex's area.
-    pub(super) fn new(inner: P, bands: &[Vec<usize>], unknown: &[[usize; 3]], start: &[Vec3], area_m2: &[f64], length_m: f64) -> Self {
+    /// `inner` with its `bands` held together; `unknown` (`[V][3]`) are its unknowns, displacements
+    /// in units of `length_m` from `start`. `area_m2` (`[V]`) is each vertex's area.
+    pub(super) fn new(
+        inner: P,
+        bands: &[Vec<usize>],
+        unknown: &[[usize; 3]],
+        start: &[Vec3],
+        area_m2: &[f64],
+        length_m: f64,
+    ) -> Self {
         let inner_pattern = inner.pattern();
         let size = inner_pattern.size();
         let mut carried = vec![None; size];
         let mut bodies: Vec<Body> = Vec::new();
         for (b, band) in bands.iter().enumerate() {
             let centre = band.iter().map(|&v| start[v]).sum::<Vec3>() / band.len() as f64;
-            let size_m = band.iter().map(|&v| (start[v] - centre).norm()).fold(0.0, f64::max).max(f64::MIN_POSITIVE.sqrt());
+            let size_m = band
+                .iter()
+                .map(|&v| (start[v] - centre).norm())
+                .fold(0.0, f64::max)
+                .max(f64::MIN_POSITIVE.sqrt());
             let area: f64 = band.iter().map(|&v| area_m2[v]).sum();
             for &v in band {
                 let p = (start[v] - centre) / size_m;
@@ -148,7 +176,13 @@ impl<P: Problem> Banded<P> {
                     carried[unknown[v][axis]] = Some((b, axis, [p.x, p.y, p.z, 1.0]));
                 }
             }
-            bodies.push(Body { vertices: band.clone(), centre, size_m, stiffness: STIFFER * area / (length_m * length_m), first: 0 });
+            bodies.push(Body {
+                vertices: band.clone(),
+                centre,
+                size_m,
+                stiffness: STIFFER * area / (length_m * length_m),
+                first: 0,
+            });
         }
         let mut free_size = 0;
         let free = carried
@@ -197,12 +231,18 @@ impl<P: Problem> Banded<P> {
             None => ([(self.free[i], 1.0); 4], 1),
             Some((b, axis, weights)) => {
                 let first = self.bodies[b].first;
-                (std::array::from_fn(|k| (first + if k < 3 { 3 * axis + k } else { 9 + axis }, weights[k])), 4)
+                (
+                    std::array::from_fn(|k| {
+                        (first + if k < 3 { 3 * axis + k } else { 9 + axis }, weights[k])
+                    }),
+                    4,
+                )
             }
         }
     }
 
-    /// The outer pattern, and where each inner value goes. Free unknowns keep their order; those of bodies come last.
+    /// The outer pattern, and where each inner value goes. Free unknowns keep their order; those of
+    /// bodies come last.
     fn couple(&mut self, inner: &SymmetricPattern) {
         let size = self.size();
         let mut lists: Vec<Vec<usize>> = vec![Vec::new(); size];
@@ -240,7 +280,9 @@ impl<P: Problem> Banded<P> {
         }
         let pattern = SymmetricPattern::from_columns(lists);
         let mut scatter = Vec::with_capacity(inner.entry_count());
-        each(&mut |slot, u, w, factor| scatter.push((slot as u32, pattern.slot(u, w) as u32, factor)));
+        each(&mut |slot, u, w, factor| {
+            scatter.push((slot as u32, pattern.slot(u, w) as u32, factor))
+        });
         (self.pattern, self.scatter) = (pattern, scatter);
         self.inner_values.resize(inner.entry_count(), 0.0);
     }
@@ -272,7 +314,11 @@ impl<P: Problem> Banded<P> {
             y[u] = x[i];
         }
         for body in &self.bodies {
-            y[body.first..body.first + UNKNOWNS].copy_from_slice(&body.fit(start, pose, self.length_m));
+            y[body.first..body.first + UNKNOWNS].copy_from_slice(&body.fit(
+                start,
+                pose,
+                self.length_m,
+            ));
         }
         y
     }
@@ -288,7 +334,8 @@ impl<P: Problem> Banded<P> {
     pub(super) fn straighten(&self, start: &[Vec3], pose: &mut [Vec3]) {
         for body in &self.bodies {
             let fit = body.fit(start, pose, self.length_m);
-            let turn = Mat3::identity() + Mat3::from_fn(|i, j| fit[3 * i + j]) * (self.length_m / body.size_m);
+            let turn = Mat3::identity()
+                + Mat3::from_fn(|i, j| fit[3 * i + j]) * (self.length_m / body.size_m);
             let shift = Vec3::new(fit[9], fit[10], fit[11]) * self.length_m;
             for &v in &body.vertices {
                 pose[v] = body.centre + shift + turn * (start[v] - body.centre);
@@ -311,9 +358,11 @@ impl<P: Problem> Problem for Banded<P> {
         // Vertices are free or carried as wholes; bodies come last.
         let body = |group: &Vec<usize>| self.carried[group[0]].map(|(b, ..)| b);
         let free = inner.members.iter().filter(|group| body(group).is_none());
-        let mut members: Vec<Vec<usize>> = free.map(|group| group.iter().map(|&i| self.free[i]).collect()).collect();
+        let mut members: Vec<Vec<usize>> =
+            free.map(|group| group.iter().map(|&i| self.free[i]).collect()).collect();
         let (first, mut next) = (members.len(), 0);
-        members.extend(self.bodies.iter().map(|body| (body.first..body.first + UNKNOWNS).collect()));
+        members
+            .extend(self.bodies.iter().map(|body| (body.first..body.first + UNKNOWNS).collect()));
         let number: Vec<usize> = inner
             .members
             .iter()
@@ -327,7 +376,9 @@ impl<P: Problem> Problem for Banded<P> {
             .collect();
         let mut lists: Vec<Vec<usize>> = (0..members.len()).map(|group| vec![group]).collect();
         for (column, &u) in number.iter().enumerate() {
-            for &row in &inner.graph.rows[inner.graph.columns[column]..inner.graph.columns[column + 1]] {
+            for &row in
+                &inner.graph.rows[inner.graph.columns[column]..inner.graph.columns[column + 1]]
+            {
                 lists[u.min(number[row])].push(u.max(number[row]));
             }
         }
@@ -392,7 +443,8 @@ mod tests {
     use crate::mesh::scatter::Random;
     use crate::progress::Silent;
 
-    /// Springs without rest length between all vertices, and one to a place for each, of unlike strength.
+    /// Springs without rest length between all vertices, and one to a place for each, of unlike
+    /// strength.
     struct Springs {
         places: Vec<Vec3>,
         here: Vec<f64>,
@@ -408,8 +460,12 @@ mod tests {
         }
         fn groups(&self) -> Option<Groups> {
             let vertices: Vec<usize> = (0..self.here.len() / 3).collect();
-            let graph = SymmetricPattern::from_elements(vertices.len(), [&vertices[..]].into_iter());
-            Some(Groups { graph, members: vertices.iter().map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect() })
+            let graph =
+                SymmetricPattern::from_elements(vertices.len(), [&vertices[..]].into_iter());
+            Some(Groups {
+                graph,
+                members: vertices.iter().map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect(),
+            })
         }
         fn energy(&mut self, x: &[f64]) -> f64 {
             self.linearise(x, &mut vec![0.0; x.len()])
@@ -453,7 +509,17 @@ mod tests {
         let (start, places): (Vec<Vec3>, Vec<Vec3>) = (0..n).map(|_| (place(), place())).unzip();
         let unknown: Vec<[usize; 3]> = (0..n).map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect();
         let bands = [vec![1, 4, 5, 7], vec![0, 3, 8]];
-        (Banded::new(Springs { places, here: vec![0.0; 3 * n] }, &bands, &unknown, &start, &vec![1e-4; n], 1.5), start)
+        (
+            Banded::new(
+                Springs { places, here: vec![0.0; 3 * n] },
+                &bands,
+                &unknown,
+                &start,
+                &vec![1e-4; n],
+                1.5,
+            ),
+            start,
+        )
     }
 
     #[test]
@@ -462,9 +528,14 @@ mod tests {
         let Groups { graph, members } = banded.groups().unwrap();
         assert_eq!(members.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, UNKNOWNS, UNKNOWNS]);
         let mut of = vec![NONE; banded.size()];
-        members.iter().enumerate().for_each(|(group, members)| members.iter().for_each(|&i| of[i] = group));
+        members
+            .iter()
+            .enumerate()
+            .for_each(|(group, members)| members.iter().for_each(|&i| of[i] = group));
         for column in 0..banded.size() {
-            for &row in &banded.pattern.rows[banded.pattern.columns[column]..banded.pattern.columns[column + 1]] {
+            for &row in &banded.pattern.rows
+                [banded.pattern.columns[column]..banded.pattern.columns[column + 1]]
+            {
                 assert!(graph.find(of[row], of[column]).is_some(), "{row} {column}");
             }
         }
@@ -517,12 +588,19 @@ mod tests {
         };
         let outcome = minimise(&mut banded, &begin, &options, &Silent).unwrap();
         let x = banded.unpack(&outcome.x);
-        let mut pose: Vec<Vec3> =
-            start.iter().enumerate().map(|(v, p)| p + Vec3::new(x[3 * v], x[3 * v + 1], x[3 * v + 2]) * 1.5).collect();
+        let mut pose: Vec<Vec3> = start
+            .iter()
+            .enumerate()
+            .map(|(v, p)| p + Vec3::new(x[3 * v], x[3 * v + 1], x[3 * v + 2]) * 1.5)
+            .collect();
         let bands = [[1, 4, 5, 7].to_vec(), [0, 3, 8].to_vec()];
         let stretch = |pose: &[Vec3]| -> f64 {
-            let pairs = bands.iter().flat_map(|band| band.iter().flat_map(move |&u| band.iter().map(move |&v| (u, v))));
-            pairs.map(|(u, v)| ((pose[u] - pose[v]).norm() - (start[u] - start[v]).norm()).abs()).fold(0.0, f64::max)
+            let pairs = bands
+                .iter()
+                .flat_map(|band| band.iter().flat_map(move |&u| band.iter().map(move |&v| (u, v))));
+            pairs
+                .map(|(u, v)| ((pose[u] - pose[v]).norm() - (start[u] - start[v]).norm()).abs())
+                .fold(0.0, f64::max)
         };
         let (soft, moved) = (stretch(&pose), (pose[4] - start[4]).norm());
         assert!(soft < 0.2 && moved > 0.05, "{soft:e} {moved}");
@@ -541,7 +619,9 @@ mod tests {
         let mirrored = nearest_rotation(&Mat3::from_diagonal(&Vec3::new(3.0, 2.0, -1e-3)));
         assert!((mirrored - Mat3::identity()).norm() < 1e-13);
         let line = nearest_rotation(&Mat3::from_diagonal(&Vec3::new(1.0, 0.0, 0.0)));
-        assert!((line * line.transpose() - Mat3::identity()).norm() < 1e-13 && line.determinant() > 0.0);
+        assert!(
+            (line * line.transpose() - Mat3::identity()).norm() < 1e-13 && line.determinant() > 0.0
+        );
     }
 
     #[test]

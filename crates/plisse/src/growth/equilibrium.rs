@@ -1,14 +1,19 @@
-//! Folds a grown surface up: the variational mode. A film on a soft foundation, grown in steps, each solved to equilibrium.
+//! Folds a grown surface up: the variational mode. A film on a soft foundation, grown in steps,
+//! each solved to equilibrium.
 //!
-//! A film of bending stiffness B on a foundation k wrinkles, as soon as it is pressed by ε_c = h²q²/(6(1−ν²)), with the wave number
-//! q = 2π/λ = (k/B)^¼. So the wavelength λ is a design parameter: **λ is the spacing of the folds that is seen on the starting
-//! surface**. (Along the grown surface a fold is longer: g·λ, which is the λ of the paper's own derivation.) The film is made
+//! A film of bending stiffness B on a foundation k wrinkles, as soon as it is pressed by ε_c =
+//! h²q²/(6(1−ν²)), with the wave number q = 2π/λ = (k/B)^¼. So the wavelength λ is a design
+//! parameter: **λ is the spacing of the folds that is seen on the starting surface**. (Along the
+//! grown surface a fold is longer: g·λ, which is the λ of the paper's own derivation.) The film is
+//! made
 //! [`GrowthOptions::thickness_share`] of λ thick, and k = Bq⁴/c(g) follows from λ, softened by [`super::fold_angle::softening`] as the
-//! folds grow large, so that no growth makes folds split or merge. What is asked beyond ε_c goes into length.
+//! folds grow large, so that no growth makes folds split or merge. What is asked beyond ε_c goes
+//! into length.
 //!
-//! Growth is applied in steps of equal *factors*, small ones where folds begin, so that the pattern is chosen near onset where λ alone
-//! decides; later it only grows. The grip of the foundation on sliding keeps folds from gathering in one place: on a foundation that
-//! resists offset only, a row of folds is unstable against a single large one (Diamant & Witten 2011).
+//! Growth is applied in steps of equal *factors*, small ones where folds begin, so that the pattern
+//! is chosen near onset where λ alone decides; later it only grows. The grip of the foundation on
+//! sliding keeps folds from gathering in one place: on a foundation that resists offset only, a row
+//! of folds is unstable against a single large one (Diamant & Witten 2011).
 
 use web_time::Instant;
 
@@ -23,9 +28,11 @@ use crate::rest::RestMetric;
 
 /// Factor between the first levels of growth.
 const LEVELS: f64 = 1.35;
-/// How much more force than at the end may be left after a step that others follow, and how many iterations it may take.
+/// How much more force than at the end may be left after a step that others follow, and how many
+/// iterations it may take.
 const PASSING: (f64, usize) = (10.0, 60);
-/// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of folds is chosen.
+/// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of
+/// folds is chosen.
 const CHOOSING: f64 = 3.0;
 
 /// How folds are solved for.
@@ -35,7 +42,8 @@ pub struct GrowthOptions {
     pub young_pa: f64,
     /// Poisson's ratio of the film.
     pub poisson: f64,
-    /// Thickness of the film over λ: folds begin at the strain 6.6·share²/(1−ν²), which is what is missing of the asked length.
+    /// Thickness of the film over λ: folds begin at the strain 6.6·share²/(1−ν²), which is what is
+    /// missing of the asked length.
     pub thickness_share: f64,
     /// How stiffly the foundation resists sliding, over its stiffness against offset.
     pub grip: f64,
@@ -45,11 +53,13 @@ pub struct GrowthOptions {
     pub seed: u64,
     /// Largest step of growth: the logarithm of a factor of length.
     pub largest_step: f64,
-    /// ε of 4.5: share of what is left between rest lengths and lengths that is forgotten after each step.
+    /// ε of 4.5: share of what is left between rest lengths and lengths that is forgotten after
+    /// each step.
     pub plasticity: f64,
     /// Newton iterations at most in each step.
     pub iteration_limit: usize,
-    /// Largest force on a vertex at the end of a step, in units of the force that starts folds on an edge.
+    /// Largest force on a vertex at the end of a step, in units of the force that starts folds on
+    /// an edge.
     pub tolerance: f64,
 }
 
@@ -73,10 +83,12 @@ impl Default for GrowthOptions {
 impl GrowthOptions {
     /// ε_c: the strain at which folds begin.
     pub fn onset(&self) -> f64 {
-        (self.thickness_share * std::f64::consts::TAU).powi(2) / (6.0 * (1.0 - self.poisson * self.poisson))
+        (self.thickness_share * std::f64::consts::TAU).powi(2)
+            / (6.0 * (1.0 - self.poisson * self.poisson))
     }
 
-    /// The parts of a growth whose largest logarithm is `most`, one for each step: finer where folds begin, the last is 1.
+    /// The parts of a growth whose largest logarithm is `most`, one for each step: finer where
+    /// folds begin, the last is 1.
     pub fn parts(&self, most: f64) -> Vec<f64> {
         let (mut parts, mut level) = (Vec::new(), 0.8 * self.onset());
         while level < most {
@@ -124,11 +136,22 @@ pub struct GrowthReport {
 ///
 /// # Errors
 /// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be; [`crate::Error::Numeric`] if a step has no finite energy.
-pub fn grow(growing: &Growing<'_>, options: &GrowthOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, GrowthReport)> {
-    grow_through(growing, &options.parts(growing.maps.most_growth()), growing.start, options, observer)
+pub fn grow(
+    growing: &Growing<'_>,
+    options: &GrowthOptions,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, GrowthReport)> {
+    grow_through(
+        growing,
+        &options.parts(growing.maps.most_growth()),
+        growing.start,
+        options,
+        observer,
+    )
 }
 
-/// Goes through these `parts` of the growth, one after the other, from `pose` (`[V]`, m) on. Parts may fall again: 0 is the ungrown surface.
+/// Goes through these `parts` of the growth, one after the other, from `pose` (`[V]`, m) on. Parts
+/// may fall again: 0 is the ungrown surface.
 ///
 /// # Errors
 /// As [`grow`].
@@ -166,7 +189,8 @@ pub fn grow_each(
         let expansion = growing.maps.expansion.part(part);
         let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
         let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
-        let effort = if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
+        let effort =
+            if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
         let report = film.settle(part, effort, &expansion, &grown, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
         each(&report, &pose)?;

@@ -1,8 +1,10 @@
-//! Expansion textures: how much longer each direction of the surface wants to be (4.1 of [Combaz & Neyret 2002]).
+//! Expansion textures: how much longer each direction of the surface wants to be (4.1 of [Combaz &
+//! Neyret 2002]).
 //!
-//! At every vertex the expansion is a symmetric positive definite form τ on the tangent plane of the *starting* surface: an edge
-//! that runs along the unit vector l becomes longer by the factor √(lᵗτl), so growing by g in all directions is τ = g²·I. Along an
-//! edge lᵗτl runs linearly between the values at its ends, and its root is integrated in closed form.
+//! At every vertex the expansion is a symmetric positive definite form τ on the tangent plane of
+//! the *starting* surface: an edge that runs along the unit vector l becomes longer by the factor
+//! √(lᵗτl), so growing by g in all directions is τ = g²·I. Along an edge lᵗτl runs linearly between
+//! the values at its ends, and its root is integrated in closed form.
 
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::rest::{RestFace, RestMetric};
@@ -15,7 +17,8 @@ const FACTORS: [f64; 2] = [1e-3, 1e3];
 /// Expansion of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
-    /// First unit vector of the tangent frame; the second is the third of a right-handed frame: normal × first.
+    /// First unit vector of the tangent frame; the second is the third of a right-handed frame:
+    /// normal × first.
     pub along: Vec3,
     /// Second unit vector of the tangent frame.
     pub across: Vec3,
@@ -24,7 +27,8 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// dᵗτd (no unit) for the direction of `d` (m, any length) within the tangent plane; 1 where `d` is normal to it.
+    /// dᵗτd (no unit) for the direction of `d` (m, any length) within the tangent plane; 1 where
+    /// `d` is normal to it.
     fn square(&self, d: &Vec3) -> f64 {
         let d = Vec2::new(self.along.dot(d), self.across.dot(d));
         let length_squared = d.norm_squared();
@@ -35,7 +39,8 @@ impl Growth {
         d.dot(&(self.form * d)) / length_squared
     }
 
-    /// Factors by which lengths grow most and least, and the unit directions in space in which they do.
+    /// Factors by which lengths grow most and least, and the unit directions in space in which they
+    /// do.
     pub fn principal(&self) -> ([f64; 2], [Vec3; 2]) {
         let ([low, high], d) = principal_pair(&self.form);
         let least = self.along * d.x + self.across * d.y;
@@ -43,18 +48,20 @@ impl Growth {
         ([high.sqrt(), low.sqrt()], [most, least])
     }
 
-    /// ln τ as a form in space, (xx, yy, zz, xy, yz, zx), no unit: what may be blended between vertices whose frames differ. All 0 where
-    /// nothing grows.
+    /// ln τ as a form in space, (xx, yy, zz, xy, yz, zx), no unit: what may be blended between
+    /// vertices whose frames differ. All 0 where nothing grows.
     pub(super) fn logarithm(&self) -> [f64; 6] {
         if self.form == Mat2::identity() {
             return [0.0; 6];
         }
         let (factors, [most, least]) = self.principal();
-        let m = most * most.transpose() * (2.0 * factors[0].ln()) + least * least.transpose() * (2.0 * factors[1].ln());
+        let m = most * most.transpose() * (2.0 * factors[0].ln())
+            + least * least.transpose() * (2.0 * factors[1].ln());
         [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(1, 2)], m[(2, 0)]]
     }
 
-    /// The expansion whose logarithm is the part of this one ([`Growth::logarithm`]) that lies in the plane with the unit `normal`.
+    /// The expansion whose logarithm is the part of this one ([`Growth::logarithm`]) that lies in
+    /// the plane with the unit `normal`.
     pub(super) fn from_logarithm(normal: &Vec3, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> Self {
         let along = any_tangent(normal);
         let across = normal.cross(&along);
@@ -64,12 +71,18 @@ impl Growth {
         let space = crate::mesh::Mat3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz);
         let entry = |a: &Vec3, b: &Vec3| a.dot(&(space * b));
         let mixed = entry(&along, &across);
-        let ([low, high], d) = principal_pair(&Mat2::new(entry(&along, &along), mixed, mixed, entry(&across, &across)));
+        let ([low, high], d) = principal_pair(&Mat2::new(
+            entry(&along, &along),
+            mixed,
+            mixed,
+            entry(&across, &across),
+        ));
         let e = Vec2::new(-d.y, d.x);
         Self { along, across, form: d * d.transpose() * low.exp() + e * e.transpose() * high.exp() }
     }
 
-    /// τ^`exponent`: part of the growth (0: none, 1: all), so that equal parts lengthen by equal factors.
+    /// τ^`exponent`: part of the growth (0: none, 1: all), so that equal parts lengthen by equal
+    /// factors.
     fn power(&self, exponent: f64) -> Self {
         if self.form == Mat2::identity() || exponent == 1.0 {
             return *self;
@@ -109,7 +122,8 @@ impl Expansion {
     /// Growth by `factors` (`[V]`, no unit, of lengths) in all directions.
     ///
     /// # Errors
-    /// As [`Expansion::none`]; [`Error::Value`] naming a vertex whose factor is no positive number, or out of range.
+    /// As [`Expansion::none`]; [`Error::Value`] naming a vertex whose factor is no positive number,
+    /// or out of range.
     pub fn from_factors(topology: &Topology, positions: &[Vec3], factors: &[f64]) -> Result<Self> {
         let mut expansion = Self::none(topology, positions)?;
         for (v, (growth, &factor)) in expansion.vertices.iter_mut().zip(factors).enumerate() {
@@ -118,24 +132,36 @@ impl Expansion {
         Ok(expansion)
     }
 
-    /// Growth by `factors` (`[V]`, no unit, of lengths) along `directions` (`[V]`, any length, in space; what is normal to the surface
-    /// is dropped) and by none across.
+    /// Growth by `factors` (`[V]`, no unit, of lengths) along `directions` (`[V]`, any length, in
+    /// space; what is normal to the surface is dropped) and by none across.
     ///
     /// # Errors
     /// As [`Expansion::from_factors`], or if a direction is normal to the surface where it grows.
-    pub fn from_directions(topology: &Topology, positions: &[Vec3], directions: &[Vec3], factors: &[f64]) -> Result<Self> {
-        let tensors: Vec<Mat2> =
-            (0..factors.len()).map(|v| Ok(Mat2::new(check_factor(v, factors[v])?.powi(2), 0.0, 0.0, 1.0))).collect::<Result<_>>()?;
+    pub fn from_directions(
+        topology: &Topology,
+        positions: &[Vec3],
+        directions: &[Vec3],
+        factors: &[f64],
+    ) -> Result<Self> {
+        let tensors: Vec<Mat2> = (0..factors.len())
+            .map(|v| Ok(Mat2::new(check_factor(v, factors[v])?.powi(2), 0.0, 0.0, 1.0)))
+            .collect::<Result<_>>()?;
         Self::from_tensors(topology, positions, directions, &tensors)
     }
 
-    /// Growth by the full forms `tensors` (`[V]`, no unit) in frames whose first vector points along `directions` (`[V]`, as in
+    /// Growth by the full forms `tensors` (`[V]`, no unit) in frames whose first vector points
+    /// along `directions` (`[V]`, as in
     /// [`Expansion::from_directions`]), the second 90° to its left seen from outside.
     ///
     /// # Errors
     /// [`Error::Value`] naming a vertex whose form is not symmetric and positive definite or whose direction is normal to the surface
     /// though something grows there; as [`Expansion::none`].
-    pub fn from_tensors(topology: &Topology, positions: &[Vec3], directions: &[Vec3], tensors: &[Mat2]) -> Result<Self> {
+    pub fn from_tensors(
+        topology: &Topology,
+        positions: &[Vec3],
+        directions: &[Vec3],
+        tensors: &[Mat2],
+    ) -> Result<Self> {
         let normals = vertex_normals(topology, positions)?;
         let vertex = |v: usize| {
             let (normal, form) = (normals[v], tensors[v]);
@@ -145,7 +171,10 @@ impl Expansion {
                 Some(along) if along.iter().all(|x| x.is_finite()) => along,
                 _ if form == Mat2::identity() * form[(0, 0)] => any_tangent(&normal),
                 _ => {
-                    let message = format!("the direction at vertex {v} does not lie in the surface; give one that is not along its normal");
+                    let message = format!(
+                        "the direction at vertex {v} does not lie in the surface; give one that is \
+                         not along its normal"
+                    );
                     return Err(Error::value("growth.direction", message));
                 }
             };
@@ -183,7 +212,8 @@ impl Expansion {
         Self { vertices: self.vertices.iter().map(|growth| growth.power(exponent)).collect() }
     }
 
-    /// `[E]` factors (no unit) by which the edges of the starting surface `positions` (`[V]`, m) grow: the mean of √(lᵗτl).
+    /// `[E]` factors (no unit) by which the edges of the starting surface `positions` (`[V]`, m)
+    /// grow: the mean of √(lᵗτl).
     pub fn edge_factors(&self, topology: &Topology, positions: &[Vec3]) -> Vec<f64> {
         let factor = |&[i, j]: &[usize; 2]| {
             let edge = positions[j] - positions[i];
@@ -192,11 +222,17 @@ impl Expansion {
         topology.edges.iter().map(factor).collect()
     }
 
-    /// `rest`, grown. Where all three sides of a face grow by exactly 1, its metric is the same to the bit.
+    /// `rest`, grown. Where all three sides of a face grow by exactly 1, its metric is the same to
+    /// the bit.
     ///
     /// # Errors
     /// [`Error::Mesh`] naming a face whose grown sides make no triangle.
-    pub fn act_on(&self, topology: &Topology, positions: &[Vec3], rest: &RestMetric) -> Result<RestMetric> {
+    pub fn act_on(
+        &self,
+        topology: &Topology,
+        positions: &[Vec3],
+        rest: &RestMetric,
+    ) -> Result<RestMetric> {
         scale_edges(topology, rest, &self.edge_factors(topology, positions))
     }
 }
@@ -214,11 +250,18 @@ pub fn scale_edges(topology: &Topology, rest: &RestMetric, factors: &[f64]) -> R
         }
         let [u, v] = old.edges();
         // Squared lengths of the sides 0→1, 1→2, 2→0.
-        let [a, c, b] = [u.norm_squared() * k[0] * k[0], (v - u).norm_squared() * k[1] * k[1], v.norm_squared() * k[2] * k[2]];
+        let [a, c, b] = [
+            u.norm_squared() * k[0] * k[0],
+            (v - u).norm_squared() * k[1] * k[1],
+            v.norm_squared() * k[2] * k[2],
+        ];
         let form = Mat2::new(a, 0.5 * (a + b - c), 0.5 * (a + b - c), b);
         // Below this a face is all but a line.
         if form.determinant().is_nan() || form.determinant() <= 1e-6 * a * b {
-            let message = format!("the sides of face {f} make no triangle once they are grown; let the expansion change more slowly there");
+            let message = format!(
+                "the sides of face {f} make no triangle once they are grown; let the expansion \
+                 change more slowly there"
+            );
             return Err(Error::mesh("growth.expansion", message));
         }
         Ok(RestFace::from_form(form))
@@ -236,7 +279,10 @@ fn check_factor(v: usize, factor: f64) -> Result<f64> {
     if (FACTORS[0]..=FACTORS[1]).contains(&factor) {
         return Ok(factor);
     }
-    let message = format!("the growth at vertex {v} is {factor}; give a factor of length above 0, from {} to {}", FACTORS[0], FACTORS[1]);
+    let message = format!(
+        "the growth at vertex {v} is {factor}; give a factor of length above 0, from {} to {}",
+        FACTORS[0], FACTORS[1]
+    );
     Err(Error::value("growth.amount", message))
 }
 
@@ -248,12 +294,14 @@ fn check_form(v: usize, form: &Mat2) -> Result<()> {
     }
     let [[a, b], [c, d]] = [[form[(0, 0)], form[(0, 1)]], [form[(1, 0)], form[(1, 1)]]];
     let message = format!(
-        "the expansion ({a}, {b}; {c}, {d}) at vertex {v} is not symmetric and positive definite; give one whose eigenvalues, the squares of factors of length, are above 0"
+        "the expansion ({a}, {b}; {c}, {d}) at vertex {v} is not symmetric and positive definite; \
+         give one whose eigenvalues, the squares of factors of length, are above 0"
     );
     Err(Error::value("growth.tensor", message))
 }
 
-/// `[V]` unit normals of the surface `positions` (`[V]`, m): the faces' around each vertex, by area.
+/// `[V]` unit normals of the surface `positions` (`[V]`, m): the faces' around each vertex, by
+/// area.
 ///
 /// # Errors
 /// [`Error::Mesh`] naming a vertex whose faces have no area or cancel.
@@ -268,9 +316,16 @@ pub fn vertex_normals(topology: &Topology, positions: &[Vec3]) -> Result<Vec<Vec
         }
     }
     let unit = |(v, (sum, size)): (usize, &(Vec3, f64))| {
-        let normal = sum.try_normalize(1e-9 * size).filter(|normal| normal.iter().all(|x| x.is_finite()));
+        let normal =
+            sum.try_normalize(1e-9 * size).filter(|normal| normal.iter().all(|x| x.is_finite()));
         normal.ok_or_else(|| {
-            Error::mesh("growth", format!("the faces around vertex {v} of the starting surface have no common normal; move it apart"))
+            Error::mesh(
+                "growth",
+                format!(
+                    "the faces around vertex {v} of the starting surface \
+                have no common normal; move it apart"
+                ),
+            )
         })
     };
     sums.iter().enumerate().map(unit).collect()
@@ -288,8 +343,11 @@ mod tests {
     use crate::mesh::panel::{Outline, Panel};
 
     fn sheet() -> (Topology, Vec<Vec3>, RestMetric) {
-        let panel = Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.13, 3).unwrap();
-        let positions: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        let panel =
+            Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.13, 3)
+                .unwrap();
+        let positions: Vec<Vec3> =
+            panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("sheet", positions.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape("sheet", &positions, &topology.faces).unwrap();
         (topology, positions, rest)
@@ -299,7 +357,8 @@ mod tests {
     fn growing_by_one_changes_nothing_to_the_bit() {
         let (topology, positions, rest) = sheet();
         let n = positions.len();
-        let skew: Vec<Vec3> = (0..n).map(|v| Vec3::new((v as f64).sin(), (v as f64).cos(), 0.3)).collect();
+        let skew: Vec<Vec3> =
+            (0..n).map(|v| Vec3::new((v as f64).sin(), (v as f64).cos(), 0.3)).collect();
         for expansion in [
             Expansion::none(&topology, &positions).unwrap(),
             Expansion::from_factors(&topology, &positions, &vec![1.0; n]).unwrap(),
@@ -317,7 +376,9 @@ mod tests {
         let n = positions.len();
         // Growing by 2 along a slanted direction, and not across.
         let d = Vec3::new(0.6, 0.8, 0.0);
-        let expansion = Expansion::from_directions(&topology, &positions, &vec![d * 3.0; n], &vec![2.0; n]).unwrap();
+        let expansion =
+            Expansion::from_directions(&topology, &positions, &vec![d * 3.0; n], &vec![2.0; n])
+                .unwrap();
         let mapped: Vec<Vec3> = positions.iter().map(|p| p + d * d.dot(p)).collect();
         let expected = RestMetric::from_shape("mapped", &mapped, &topology.faces).unwrap();
         let grown = expansion.act_on(&topology, &positions, &rest).unwrap();
@@ -326,7 +387,11 @@ mod tests {
         }
         assert!((grown.area_m2() / rest.area_m2() - 2.0).abs() < 1e-12);
         let ([most, least], [along, _]) = expansion.vertices[7].principal();
-        assert!((most - 2.0).abs() < 1e-12 && (least - 1.0).abs() < 1e-12 && along.cross(&d).norm() < 1e-12);
+        assert!(
+            (most - 2.0).abs() < 1e-12
+                && (least - 1.0).abs() < 1e-12
+                && along.cross(&d).norm() < 1e-12
+        );
         // Two halves make the whole.
         let half = expansion.part(0.5);
         let twice = half.act_on(&topology, &positions, &rest).unwrap();
@@ -337,7 +402,8 @@ mod tests {
     fn logarithms_carry_a_growth_into_other_frames() {
         let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
         let along = normal.cross(&Vec3::new(0.2, 0.9, 0.1)).normalize();
-        let growth = Growth { along, across: normal.cross(&along), form: Mat2::new(2.0, 0.3, 0.3, 0.7) };
+        let growth =
+            Growth { along, across: normal.cross(&along), form: Mat2::new(2.0, 0.3, 0.3, 0.7) };
         let again = Growth::from_logarithm(&normal, growth.logarithm());
         for angle in [0.0_f64, 0.7, 1.9, 2.6] {
             let d = growth.along * angle.cos() + growth.across * angle.sin();
@@ -351,7 +417,10 @@ mod tests {
 
     #[test]
     fn the_root_of_the_form_is_integrated_along_edges() {
-        let numeric = |a: f64, b: f64| (0..10_000).map(|k| (a + (b - a) * (k as f64 + 0.5) / 10_000.0).sqrt()).sum::<f64>() / 10_000.0;
+        let numeric = |a: f64, b: f64| {
+            (0..10_000).map(|k| (a + (b - a) * (k as f64 + 0.5) / 10_000.0).sqrt()).sum::<f64>()
+                / 10_000.0
+        };
         for (a, b) in [(1.0, 4.0), (9.0, 0.25), (2.0, 2.0), (1.0, 1.0 + 1e-9)] {
             assert!((mean_root(a, b) - numeric(a, b)).abs() < 1e-8);
         }
@@ -362,13 +431,20 @@ mod tests {
     fn growths_follow_each_other() {
         let (topology, positions, rest) = sheet();
         let n = positions.len();
-        let along = |d: Vec3, factor: f64| Expansion::from_directions(&topology, &positions, &vec![d; n], &vec![factor; n]).unwrap();
+        let along = |d: Vec3, factor: f64| {
+            Expansion::from_directions(&topology, &positions, &vec![d; n], &vec![factor; n])
+                .unwrap()
+        };
         // Along x, then along y: the area grows by both, whatever frames they came in.
         let both = along(Vec3::x(), 1.5).then(&along(Vec3::y(), 2.0));
         let grown = both.act_on(&topology, &positions, &rest).unwrap();
         assert!((grown.area_m2() / rest.area_m2() - 3.0).abs() < 1e-12);
         let ([most, least], [direction, _]) = both.vertices[3].principal();
-        assert!((most - 2.0).abs() < 1e-12 && (least - 1.5).abs() < 1e-12 && direction.cross(&Vec3::y()).norm() < 1e-12);
+        assert!(
+            (most - 2.0).abs() < 1e-12
+                && (least - 1.5).abs() < 1e-12
+                && direction.cross(&Vec3::y()).norm() < 1e-12
+        );
         let none = Expansion::none(&topology, &positions).unwrap();
         assert_eq!((both.then(&none), none.then(&both)), (both.clone(), both));
     }
@@ -379,9 +455,16 @@ mod tests {
         let n = positions.len();
         let mut forms = vec![Mat2::identity(); n];
         let told = |forms: &[Mat2], direction: Vec3| {
-            Expansion::from_tensors(&topology, &positions, &vec![direction; n], forms).unwrap_err().to_string()
+            Expansion::from_tensors(&topology, &positions, &vec![direction; n], forms)
+                .unwrap_err()
+                .to_string()
         };
-        for bad in [Mat2::new(1.0, 2.0, 2.0, 1.0), Mat2::new(1.0, 0.5, 0.0, 1.0), Mat2::zeros(), Mat2::new(f64::NAN, 0.0, 0.0, 1.0)] {
+        for bad in [
+            Mat2::new(1.0, 2.0, 2.0, 1.0),
+            Mat2::new(1.0, 0.5, 0.0, 1.0),
+            Mat2::zeros(),
+            Mat2::new(f64::NAN, 0.0, 0.0, 1.0),
+        ] {
             forms[5] = bad;
             let told = told(&forms, Vec3::x());
             assert!(told.contains("vertex 5") && told.contains("positive definite"), "{told}");
@@ -391,14 +474,25 @@ mod tests {
         let mut factors = vec![1.0; n];
         for bad in [0.0, -1.0, f64::NAN, 1e9] {
             factors[3] = bad;
-            assert!(Expansion::from_factors(&topology, &positions, &factors).unwrap_err().to_string().contains("vertex 3"));
+            assert!(
+                Expansion::from_factors(&topology, &positions, &factors)
+                    .unwrap_err()
+                    .to_string()
+                    .contains("vertex 3")
+            );
         }
         factors = (0..n).map(|v| if v % 2 == 0 { 1.0 } else { 500.0 }).collect();
         let wild = Expansion::from_factors(&topology, &positions, &factors).unwrap();
-        // Steep growth is a triangle still or is named; sides that break the triangle's inequality always are.
+        // Steep growth is a triangle still or is named; sides that break the triangle's inequality
+        // always are.
         let _ = wild.act_on(&topology, &positions, &rest);
         let mut broken = vec![1.0; topology.edge_count()];
         broken[4] = 50.0;
-        assert!(scale_edges(&topology, &rest, &broken).unwrap_err().to_string().contains("make no triangle"));
+        assert!(
+            scale_edges(&topology, &rest, &broken)
+                .unwrap_err()
+                .to_string()
+                .contains("make no triangle")
+        );
     }
 }

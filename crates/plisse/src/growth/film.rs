@@ -1,15 +1,19 @@
-//! The energy of a grown film on a foundation, for [`crate::linalg::newton`]: membrane on the grown metric, bending, the foundation that
-//! holds the mean of its folds to the starting surface, the tension that lines its crests up, weight and contact.
+//! The energy of a grown film on a foundation, for [`crate::linalg::newton`]: membrane on the grown
+//! metric, bending, the foundation that holds the mean of its folds to the starting surface, the
+//! tension that lines its crests up, weight and contact.
 //!
-//! With the displacement u (m) of each vertex from the starting surface and the offset w = N·u along its normal N there:
+//! With the displacement u (m) of each vertex from the starting surface and the offset w = N·u
+//! along its normal N there:
 //!
 //! - membrane: St. Venant–Kirchhoff on ā, [`Membrane`] with full resistance to compression;
-//! - bending: [`QuadraticBending`] of u, so that a curved starting surface is at rest. It takes the rotation of the starting
-//!   curvature for small against that of the folds;
-//! - foundation: k/2·∫(s(w)·(w − w₀)² + grip·|u − wN|²) over the starting area, where s is 1 above and 1 + stickiness below;
-//! - crests: T/2·∫(∂w/∂c)² over the starting area, where c runs along the crests. Folds whose wave vector leans by qᵥ along c cost
-//!   T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² + D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs
-//!   second derivatives, which on irregular triangles let a stiff direction leak into the soft one.
+//! - bending: [`QuadraticBending`] of u, so that a curved starting surface is at rest. It takes the
+//!   rotation of the starting curvature for small against that of the folds;
+//! - foundation: k/2·∫(s(w)·(w − w₀)² + grip·|u − wN|²) over the starting area, where s is 1 above
+//!   and 1 + stickiness below;
+//! - crests: T/2·∫(∂w/∂c)² over the starting area, where c runs along the crests. Folds whose wave
+//!   vector leans by qᵥ along c cost T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² +
+//!   D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs second derivatives, which on
+//!   irregular triangles let a stiff direction leak into the soft one.
 //!
 //! - contact with itself, if it is asked for: `growth::self_contact`.
 //!
@@ -34,7 +38,8 @@ use crate::shell::tension_field::{FaceHessian, Membrane};
 /// Faces a thread takes at once.
 const CHUNK: usize = 128;
 
-/// For how many iterations a few new couplings may wait, and how many times more there must be of all.
+/// For how many iterations a few new couplings may wait, and how many times more there must be of
+/// all.
 const PATIENCE: usize = 12;
 const FEW: usize = 12;
 
@@ -78,7 +83,8 @@ pub struct Film<'a> {
     contact: Option<SelfContact<'a>>,
     /// What touches where it was last linearised.
     touches: Vec<Touch>,
-    /// Whether touches were looked for at all, and whether they coupled what was not coupled before.
+    /// Whether touches were looked for at all, and whether they coupled what was not coupled
+    /// before.
     looked: bool,
     recoupled: bool,
     /// How often it was linearised since.
@@ -86,8 +92,10 @@ pub struct Film<'a> {
 }
 
 impl<'a> Film<'a> {
-    /// The film of `setup` (whose rest metric is the grown one, and whose material is that of faces of thickness 1) over the starting surface `start` (`[V]`, m). `thickness` (`[F]`, no unit) is the thickness of
-    /// each face in units of the material's, `crests` (`[F]`, √J/m) lines folds up.
+    /// The film of `setup` (whose rest metric is the grown one, and whose material is that of faces
+    /// of thickness 1) over the starting surface `start` (`[V]`, m). `thickness` (`[F]`, no unit)
+    /// is the thickness of each face in units of the material's, `crests` (`[F]`, √J/m) lines folds
+    /// up.
     ///
     /// # Errors
     /// [`crate::Error::Value`] if a face's material is none.
@@ -115,7 +123,11 @@ impl<'a> Film<'a> {
             })
             .collect();
         let membrane = |f: usize| -> Result<Membrane> {
-            let material = Material::new(material.young_pa, material.poisson, material.thickness_m * thickness[f])?;
+            let material = Material::new(
+                material.young_pa,
+                material.poisson,
+                material.thickness_m * thickness[f],
+            )?;
             Ok(Membrane::new(&setup.rest.faces[f], &material, 1.0))
         };
         let membranes = (0..topology.face_count()).map(membrane).collect::<Result<_>>()?;
@@ -129,9 +141,12 @@ impl<'a> Film<'a> {
             row_ends.push(row_vertices.len());
         }
         let rows = row_ends.windows(2).map(|ends| &row_vertices[ends[0]..ends[1]]);
-        let pattern = VertexPattern::new(unknown, topology.faces.iter().map(|face| &face[..]), rows);
+        let pattern =
+            VertexPattern::new(unknown, topology.faces.iter().map(|face| &face[..]), rows);
         let slots = topology.faces.iter().map(|face| face_slots(&pattern, face)).collect();
-        let held = |v: usize| Vec3::from_fn(|axis, _| setup.clamps.targets[v][axis].unwrap_or(start[v][axis]));
+        let held = |v: usize| {
+            Vec3::from_fn(|axis, _| setup.clamps.targets[v][axis].unwrap_or(start[v][axis]))
+        };
         let pose: Vec<Vec3> = (0..start.len()).map(held).collect();
         let mut film = Self {
             setup,
@@ -215,7 +230,9 @@ impl<'a> Film<'a> {
         }
         for (f, tension) in crests.iter().enumerate().filter(|(_, tension)| **tension != [0.0; 3]) {
             let corners = self.setup.topology.faces[f];
-            let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]);
+            let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| {
+                tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]
+            });
             add(&mut self.constant, &self.slots[f], &(slope * slope.transpose() * scale));
             let by: f64 = (0..9).map(|k| slope[k] * moved[corners[k / 3]][k % 3]).sum();
             for k in (0..9).filter(|&k| by != 0.0 && unknown[corners[k / 3]][k % 3] != NONE) {
@@ -224,7 +241,8 @@ impl<'a> Film<'a> {
         }
         for (v, foundation) in self.foundation.iter().enumerate() {
             let normal = foundation.normal * foundation.normal.transpose();
-            let block = normal * foundation.stiffness + (Mat3::identity() - normal) * foundation.grip;
+            let block =
+                normal * foundation.stiffness + (Mat3::identity() - normal) * foundation.grip;
             add_vertex(&self.pattern, v, &(block * scale), &mut self.constant);
             let force = block * moved[v] * (scale / self.length_m);
             for axis in (0..3).filter(|&axis| unknown[v][axis] != NONE) {
@@ -270,16 +288,21 @@ impl<'a> Film<'a> {
         self.setup.topology.faces[f].map(|v| self.pose[v])
     }
 
-    /// Energy (J), and slope (N) along the normal, of what holds vertex `v` beyond the constant matrix, where the offset is `w` (m).
+    /// Energy (J), and slope (N) along the normal, of what holds vertex `v` beyond the constant
+    /// matrix, where the offset is `w` (m).
     fn hold(&self, v: usize, w: f64) -> [f64; 2] {
         let Foundation { stiffness, offset_m, stickiness, .. } = self.foundation[v];
         let below = if w < 0.0 { stickiness * stiffness } else { 0.0 };
-        [stiffness * offset_m * (0.5 * offset_m - w) + 0.5 * below * w * w, below * w - stiffness * offset_m]
+        [
+            stiffness * offset_m * (0.5 * offset_m - w) + 0.5 * below * w * w,
+            below * w - stiffness * offset_m,
+        ]
     }
 
     fn vertex_energy(&self, v: usize) -> f64 {
         let moved = self.pose[v] - self.start[v];
-        let mut energy = self.hold(v, self.foundation[v].normal.dot(&moved))[0] - self.forces_newton[v].dot(&moved);
+        let mut energy = self.hold(v, self.foundation[v].normal.dot(&moved))[0]
+            - self.forces_newton[v].dot(&moved);
         if let Some(barrier) = &self.barrier {
             energy += barrier.energy(v, &self.pose[v]);
         }
@@ -298,7 +321,10 @@ impl<'a> Film<'a> {
         let linear: f64 = x.iter().zip(&self.pull).map(|(x, y)| x * y).sum();
         let faces = Self::sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
         let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(&self.pose));
-        0.5 * quadratic + linear + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact) / self.unit_joule
+        0.5 * quadratic
+            + linear
+            + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact)
+                / self.unit_joule
     }
 
     /// Looks for what touches, once before the first energy.
@@ -314,8 +340,12 @@ impl<'a> Film<'a> {
         let Some(contact) = &self.contact else { return };
         self.touches = contact.touches(&self.pose);
         // Bending couples like axes only; what touches couples all.
-        let known = |touch: &Touch| (0..4).all(|k| (0..k).all(|l| self.pattern.couples(touch.vertices[k], touch.vertices[l])));
-        let missing: Vec<usize> = (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();
+        let known = |touch: &Touch| {
+            (0..4)
+                .all(|k| (0..k).all(|l| self.pattern.couples(touch.vertices[k], touch.vertices[l])))
+        };
+        let missing: Vec<usize> =
+            (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();
         self.since += 1;
         if missing.is_empty() {
             return;
@@ -326,7 +356,8 @@ impl<'a> Film<'a> {
             return;
         }
         self.since = 0;
-        let places = self.pattern.extend(contact.soon(&self.pose).iter().map(|vertices| &vertices[..]));
+        let places =
+            self.pattern.extend(contact.soon(&self.pose).iter().map(|vertices| &vertices[..]));
         let mut constant = vec![0.0; self.pattern.pattern().entry_count()];
         for (&place, &value) in places.iter().zip(&self.constant) {
             constant[place as usize] = value;
@@ -341,7 +372,12 @@ impl<'a> Film<'a> {
     fn add_touches(&self, values: &mut [f64], scale: f64) {
         for touch in self.touches.iter().filter(|touch| touch.loose) {
             // (Σ wₖxₖ)² ≤ Σ|w| · Σ |wₖ|xₖ², and Σ|w| is 2.
-            for (&v, slope) in touch.vertices.iter().zip(&touch.slope).filter(|(_, slope)| **slope != Vec3::zeros()) {
+            for (&v, slope) in touch
+                .vertices
+                .iter()
+                .zip(&touch.slope)
+                .filter(|(_, slope)| **slope != Vec3::zeros())
+            {
                 let block = slope * slope.transpose() * (2.0 * scale * touch.bend / slope.norm());
                 add_vertex(&self.pattern, v, &block, values);
             }
@@ -351,8 +387,11 @@ impl<'a> Film<'a> {
                 for l in 0..=k {
                     let slots = self.pattern.block(touch.vertices[k], touch.vertices[l]);
                     for a in 0..3 {
-                        for b in (0..if k == l { a + 1 } else { 3 }).filter(|&b| slots[a][b] != NO_SLOT) {
-                            values[slots[a][b] as usize] += scale * touch.bend * touch.slope[k][a] * touch.slope[l][b];
+                        for b in
+                            (0..if k == l { a + 1 } else { 3 }).filter(|&b| slots[a][b] != NO_SLOT)
+                        {
+                            values[slots[a][b] as usize] +=
+                                scale * touch.bend * touch.slope[k][a] * touch.slope[l][b];
                         }
                     }
                 }
@@ -384,10 +423,17 @@ impl Problem for Film<'_> {
         self.take(x);
         self.look();
         self.touch();
-        gradient.iter_mut().zip(&self.product).zip(&self.pull).for_each(|((g, product), pull)| *g = product + pull);
+        gradient
+            .iter_mut()
+            .zip(&self.product)
+            .zip(&self.pull)
+            .for_each(|((g, product), pull)| *g = product + pull);
         let scale = self.length_m / self.unit_joule;
-        let slopes: Vec<_> =
-            (0..self.membranes.len()).into_par_iter().with_min_len(CHUNK).map(|f| self.membranes[f].gradient(&self.corners(f))).collect();
+        let slopes: Vec<_> = (0..self.membranes.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|f| self.membranes[f].gradient(&self.corners(f)))
+            .collect();
         let unknown = self.pattern.unknown();
         let mut add = |v: usize, axis: usize, force: f64| {
             if unknown[v][axis] != NONE {
@@ -401,8 +447,11 @@ impl Problem for Film<'_> {
         }
         for v in 0..self.pose.len() {
             let normal = self.foundation[v].normal;
-            let mut force = normal * self.hold(v, normal.dot(&(self.pose[v] - self.start[v])))[1] - self.forces_newton[v];
-            if let Some(push) = self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false)) {
+            let mut force = normal * self.hold(v, normal.dot(&(self.pose[v] - self.start[v])))[1]
+                - self.forces_newton[v];
+            if let Some(push) =
+                self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false))
+            {
                 force += push.gradient;
             }
             for axis in 0..3 {
@@ -425,7 +474,8 @@ impl Problem for Film<'_> {
                 u => direction[u] * self.length_m,
             })
         };
-        let part = self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by));
+        let part =
+            self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by));
         match &mut self.contact {
             Some(contact) => {
                 let moves: Vec<Vec3> = (0..self.pose.len()).map(|v| by(v) * part).collect();
@@ -456,7 +506,11 @@ impl Problem for Film<'_> {
             if stickiness != 0.0 && normal.dot(&(self.pose[v] - self.start[v])) < 0.0 {
                 block += normal * normal.transpose() * (stickiness * stiffness);
             }
-            if let Some(push) = self.barrier.as_ref().and_then(|b| b.push(v, &self.pose[v], convexity == Convexity::Exact)) {
+            if let Some(push) = self
+                .barrier
+                .as_ref()
+                .and_then(|b| b.push(v, &self.pose[v], convexity == Convexity::Exact))
+            {
                 block += push.hessian;
             }
             if block != Mat3::zeros() {
@@ -467,7 +521,8 @@ impl Problem for Film<'_> {
     }
 }
 
-/// The bending of faces of unequal thickness: each square is scaled by the mean of its faces' thickness, to the power 3/2.
+/// The bending of faces of unequal thickness: each square is scaled by the mean of its faces'
+/// thickness, to the power 3/2.
 pub(super) fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBending {
     let mut bending = QuadraticBending::new(setup.topology, setup.rest, setup.material);
     let mut around = vec![(0.0, 0.0); setup.topology.vertex_count];
@@ -531,12 +586,22 @@ mod tests {
     use crate::rest::RestMetric;
     use crate::shell::{Clamps, Loads};
 
-    /// Everything at once on an octahedron: sticking above and below, crests, weight, an obstacle in touch, a vertex held on one axis.
+    /// Everything at once on an octahedron: sticking above and below, crests, weight, an obstacle
+    /// in touch, a vertex held on one axis.
     #[test]
     fn derivatives_agree_with_differences() {
         let [x, y, z] = [Vec3::x(), Vec3::y(), Vec3::z()];
         let start = vec![x, y, z, -x, -y, -z];
-        let faces = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
+        let faces = vec![
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
         let topology = Topology::new("octahedron", 6, faces).unwrap();
         let grown: Vec<Vec3> = start.iter().map(|p| p * 1.2).collect();
         let rest = RestMetric::from_shape("octahedron", &grown, &topology.faces).unwrap();
@@ -547,7 +612,8 @@ mod tests {
         clamps.targets[1] = [Some(start[1].x + 0.1), None, Some(start[1].z - 0.2)];
         let mut random = Random(5);
         let mut number = || 2.0 * random.unit() - 1.0;
-        let pose: Vec<Vec3> = start.iter().map(|p| p + 0.2 * Vec3::new(number(), number(), number())).collect();
+        let pose: Vec<Vec3> =
+            start.iter().map(|p| p + 0.2 * Vec3::new(number(), number(), number())).collect();
         let obstacles = [Obstacle::plane("floor", pose[5] - 0.2 * z, z).unwrap()];
         let setup = Setup {
             loads: Loads { density_kg_m3: 2.0, gravity_m_s2: -9.0 * z, ..Loads::default() },
@@ -557,7 +623,13 @@ mod tests {
         };
         let foundation: Vec<Foundation> = start
             .iter()
-            .map(|p| Foundation { normal: *p, stiffness: 2.0 + number(), grip: 0.7, offset_m: 0.1 * number(), stickiness: 1.5 })
+            .map(|p| Foundation {
+                normal: *p,
+                stiffness: 2.0 + number(),
+                grip: 0.7,
+                offset_m: 0.1 * number(),
+                stickiness: 1.5,
+            })
             .collect();
         let crests: Vec<CrestTension> = (0..8).map(|_| [number(), number(), number()]).collect();
         let thickness: Vec<f64> = (0..8).map(|_| 1.0 + 0.3 * number()).collect();
@@ -589,12 +661,22 @@ mod tests {
 
     #[test]
     fn the_starting_surface_comes_back_to_the_bit() {
-        let start = vec![Vec3::new(0.1, 0.7, 1.0 / 3.0), Vec3::new(1.3, 0.2, 0.9), Vec3::new(-0.4, 1.1, 0.6)];
+        let start = vec![
+            Vec3::new(0.1, 0.7, 1.0 / 3.0),
+            Vec3::new(1.3, 0.2, 0.9),
+            Vec3::new(-0.4, 1.1, 0.6),
+        ];
         let topology = Topology::new("t", 3, vec![[0, 1, 2]]).unwrap();
         let rest = RestMetric::from_shape("t", &start, &topology.faces).unwrap();
         let (material, clamps) = (Material::new(1.0, 0.0, 0.01).unwrap(), Clamps::none(3));
         let setup = Setup::new(&topology, &rest, &material, &clamps);
-        let foundation = [Foundation { normal: Vec3::z(), stiffness: 1.0, grip: 1.0, offset_m: 0.0, stickiness: 0.0 }; 3];
+        let foundation = [Foundation {
+            normal: Vec3::z(),
+            stiffness: 1.0,
+            grip: 1.0,
+            offset_m: 0.0,
+            stickiness: 0.0,
+        }; 3];
         let film = Film::new(&setup, &start, &[1.0], &foundation, &[[0.0; 3]]).unwrap();
         let mut pose = vec![Vec3::zeros(); 3];
         film.unpack(&film.pack(&start), &mut pose);

@@ -1,10 +1,11 @@
-//! One large fold, as the arc θ = θ₀·sin(qs) of a strip that keeps its length: how steep it is, how high, and what foundation keeps its
-//! wavelength.
+//! One large fold, as the arc θ = θ₀·sin(qs) of a strip that keeps its length: how steep it is, how
+//! high, and what foundation keeps its wavelength.
 //!
-//! Grown by g, the strip lies over 1/g of its length: ⟨cos θ⟩ = J₀(θ₀) = 1/g. To first order its offset is 2J₁(θ₀)/q·cos(qs), and
-//! per unit of *starting* length it stores g·B/2·θ₀²q²/2 in bending and k/2·(2J₁/q)²/2 in the foundation. With Q = gq, the wave number
-//! seen on the starting surface, the sum is least at Q⁴ = k/B·c(g), c = 4J₁²g³/θ₀². Small folds have c = 1; a foundation softened by c
-//! keeps the wavelength that is seen, however far the surface grows.
+//! Grown by g, the strip lies over 1/g of its length: ⟨cos θ⟩ = J₀(θ₀) = 1/g. To first order its
+//! offset is 2J₁(θ₀)/q·cos(qs), and per unit of *starting* length it stores g·B/2·θ₀²q²/2 in
+//! bending and k/2·(2J₁/q)²/2 in the foundation. With Q = gq, the wave number seen on the starting
+//! surface, the sum is least at Q⁴ = k/B·c(g), c = 4J₁²g³/θ₀². Small folds have c = 1; a foundation
+//! softened by c keeps the wavelength that is seen, however far the surface grows.
 
 /// Steepest θ₀ (rad) that is told apart: g = 50.
 const MOST_GROWTH: f64 = 50.0;
@@ -21,7 +22,8 @@ fn bessel(x: f64) -> [f64; 2] {
     [zero, 0.5 * x * one]
 }
 
-/// θ₀ (rad): the steepest slope of folds that take up growth by the factor `growth` (no unit); 0 where nothing grows.
+/// θ₀ (rad): the steepest slope of folds that take up growth by the factor `growth` (no unit); 0
+/// where nothing grows.
 pub fn fold_angle(growth: f64) -> f64 {
     let target = 1.0 / growth.clamp(1.0, MOST_GROWTH);
     let (mut low, mut high) = (0.0, 2.405);
@@ -45,8 +47,9 @@ pub fn fold_angle(growth: f64) -> f64 {
     angle
 }
 
-/// c(g) (no unit): by how much the foundation of a surface grown by the factor `growth` must be softer than that of one that has
-/// only begun to fold, so that its folds keep the wavelength that is seen on the starting surface.
+/// c(g) (no unit): by how much the foundation of a surface grown by the factor `growth` must be
+/// softer than that of one that has only begun to fold, so that its folds keep the wavelength that
+/// is seen on the starting surface.
 pub fn softening(growth: f64) -> f64 {
     let growth = growth.clamp(1.0, MOST_GROWTH);
     let angle = fold_angle(growth);
@@ -57,7 +60,8 @@ pub fn softening(growth: f64) -> f64 {
     ratio * ratio * growth.powi(3)
 }
 
-/// Amplitude of the folds' offset over their wavelength on the starting surface, both m: g·2J₁(θ₀)/2π.
+/// Amplitude of the folds' offset over their wavelength on the starting surface, both m:
+/// g·2J₁(θ₀)/2π.
 pub fn amplitude(growth: f64) -> f64 {
     let growth = growth.clamp(1.0, MOST_GROWTH);
     growth * bessel(fold_angle(growth))[1] / std::f64::consts::PI
@@ -73,9 +77,15 @@ mod tests {
         for strain in [1e-6, 1e-4, 1e-2] {
             let slope = fold_angle(1.0 + strain);
             assert!((slope * slope / 4.0 / strain - 1.0).abs() < 2.0 * strain, "{strain}");
-            assert!((std::f64::consts::TAU * amplitude(1.0 + strain) / slope - 1.0).abs() < 3.0 * strain);
+            assert!(
+                (std::f64::consts::TAU * amplitude(1.0 + strain) / slope - 1.0).abs()
+                    < 3.0 * strain
+            );
         }
-        assert_eq!((fold_angle(0.5), softening(1.0), amplitude(1.0)), (fold_angle(1.0), 1.0, 0.0_f64.max(amplitude(1.0))));
+        assert_eq!(
+            (fold_angle(0.5), softening(1.0), amplitude(1.0)),
+            (fold_angle(1.0), 1.0, 0.0_f64.max(amplitude(1.0)))
+        );
     }
 
     #[test]
@@ -83,7 +93,9 @@ mod tests {
         for growth in [1.2, 1.5, 2.0, 3.0] {
             let angle = fold_angle(growth);
             let n = 20_000;
-            let cosines: f64 = (0..n).map(|k| (angle * (std::f64::consts::TAU * k as f64 / n as f64).sin()).cos()).sum();
+            let cosines: f64 = (0..n)
+                .map(|k| (angle * (std::f64::consts::TAU * k as f64 / n as f64).sin()).cos())
+                .sum();
             assert!((cosines / n as f64 * growth - 1.0).abs() < 1e-9);
         }
         // J₀(1.5211) = ½; J₁ there is 0.5611.

@@ -21,7 +21,8 @@ pub struct Growing<'a> {
     pub rest: &'a RestMetric,
     /// `[V]` the starting surface (m), smooth, over which the folds lie.
     pub start: &'a [Vec3],
-    /// `[V]` places (m) from which imperfections are drawn: the starting surface, or its rest shape, so that they move with it.
+    /// `[V]` places (m) from which imperfections are drawn: the starting surface, or its rest
+    /// shape, so that they move with it.
     pub places: Vec<Vec3>,
     /// How each vertex grows, and folds while it does.
     pub maps: GrowthMaps,
@@ -36,7 +37,8 @@ pub struct Growing<'a> {
 }
 
 impl<'a> Growing<'a> {
-    /// A free surface with the same λ and Λ (m) everywhere, without bias, sticking, loads or obstacles.
+    /// A free surface with the same λ and Λ (m) everywhere, without bias, sticking, loads or
+    /// obstacles.
     pub fn new(
         topology: &'a Topology,
         rest: &'a RestMetric,
@@ -49,7 +51,12 @@ impl<'a> Growing<'a> {
     }
 
     /// A surface with these maps, without loads or obstacles, kept from passing through itself.
-    pub fn with(topology: &'a Topology, rest: &'a RestMetric, start: &'a [Vec3], maps: GrowthMaps) -> Self {
+    pub fn with(
+        topology: &'a Topology,
+        rest: &'a RestMetric,
+        start: &'a [Vec3],
+        maps: GrowthMaps,
+    ) -> Self {
         Self {
             topology,
             rest,
@@ -74,11 +81,13 @@ impl<'a> Growing<'a> {
 
     /// Mean length (m) of the edges of the starting surface.
     pub(super) fn mean_edge_m(&self) -> f64 {
-        let lengths: f64 = self.topology.edges.iter().map(|&[i, j]| (self.start[j] - self.start[i]).norm()).sum();
+        let lengths: f64 =
+            self.topology.edges.iter().map(|&[i, j]| (self.start[j] - self.start[i]).norm()).sum();
         lengths / self.topology.edge_count() as f64
     }
 
-    /// Longest extent (m) of a side of face `f` across the folds that it will have; 0 where nothing grows.
+    /// Longest extent (m) of a side of face `f` across the folds that it will have; 0 where nothing
+    /// grows.
     fn side_across_folds_m(&self, f: usize) -> f64 {
         let face = self.topology.faces[f];
         let across = |v: usize, side: &Vec3| {
@@ -113,7 +122,9 @@ impl<'a> Growing<'a> {
             let wavelength = face.iter().map(|&v| self.maps.wavelength_m[v]).sum::<f64>() / 3.0;
             if wavelength < LEAST_EDGES * side_m {
                 let message = format!(
-                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider folds",
+                    "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, \
+                     but face {f} has one of {side_m:.3e} m; refine the mesh or ask for wider \
+                     folds",
                     wavelength / LEAST_EDGES
                 );
                 return Err(Error::value("growth.wavelength_m", message));
@@ -128,7 +139,10 @@ impl<'a> Growing<'a> {
             return Ok(());
         }
         if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first() {
-            let message = format!("faces {f} and {g} of the starting surface cross; part them, or set growth.self_contact = false");
+            let message = format!(
+                "faces {f} and {g} of the starting surface cross; part them, or set \
+                 growth.self_contact = false"
+            );
             return Err(Error::mesh("growth", message));
         }
         Ok(())
@@ -138,8 +152,13 @@ impl<'a> Growing<'a> {
     pub(super) fn check_maps(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         self.maps.check(n)?;
-        if let Some(v) = (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0)) {
-            return Err(Error::mesh("growth", format!("vertex {v} of the starting surface is inside an obstacle; move it out")));
+        if let Some(v) =
+            (0..n).find(|&v| self.obstacles.iter().any(|o| o.distance_m(&self.start[v]) <= 0.0))
+        {
+            return Err(Error::mesh(
+                "growth",
+                format!("vertex {v} of the starting surface is inside an obstacle; move it out"),
+            ));
         }
         Ok(())
     }

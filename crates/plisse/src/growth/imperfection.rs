@@ -1,8 +1,11 @@
-//! The random offsets from which folds begin: rough on the scale of the folds, with nothing in them that is longer.
+//! The random offsets from which folds begin: rough on the scale of the folds, with nothing in them
+//! that is longer.
 //!
-//! Noise of lumps as small as half a fold has long waves, too, as strong as any other; where imperfections are large, these would be the
-//! largest relief while growth is small. So the noise passes twice through 1 − (1 − ℓ²Δ)⁻¹ on the starting surface, with ℓ = λ/2π: a wave of
-//! wave number q is left by the factor (ℓ²q²/(1 + ℓ²q²))², which is ¼ for folds and 0.01 for what is three times as long.
+//! Noise of lumps as small as half a fold has long waves, too, as strong as any other; where
+//! imperfections are large, these would be the largest relief while growth is small. So the noise
+//! passes twice through 1 − (1 − ℓ²Δ)⁻¹ on the starting surface, with ℓ = λ/2π: a wave of wave
+//! number q is left by the factor (ℓ²q²/(1 + ℓ²q²))², which is ¼ for folds and 0.01 for what is
+//! three times as long.
 
 use std::f64::consts::TAU;
 
@@ -18,14 +21,21 @@ const LUMP: f64 = 0.5;
 /// How often long waves are taken away.
 const PASSES: usize = 2;
 
-/// `[V]` imperfections of about unit size (no unit) on the starting surface, whose metric is `surface` and on which each vertex has `area_m2`
-/// (`[V]`, m²). They come from places, not from numbers of vertices, so a finer mesh has the same.
+/// `[V]` imperfections of about unit size (no unit) on the starting surface, whose metric is
+/// `surface` and on which each vertex has `area_m2` (`[V]`, m²). They come from places, not from
+/// numbers of vertices, so a finer mesh has the same.
 ///
 /// # Errors
 /// [`Error::Numeric`] if the matrix is not positive definite, as on a mesh with very bad triangles.
-pub(super) fn band_limited(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64], seed: u64) -> Result<Vec<f64>> {
+pub(super) fn band_limited(
+    growing: &Growing<'_>,
+    surface: &RestMetric,
+    area_m2: &[f64],
+    seed: u64,
+) -> Result<Vec<f64>> {
     let lump = |v: usize| LUMP * growing.maps.wavelength_m[v];
-    let mut rough: Vec<f64> = (0..area_m2.len()).map(|v| roughness(&growing.places[v], lump(v), seed)).collect();
+    let mut rough: Vec<f64> =
+        (0..area_m2.len()).map(|v| roughness(&growing.places[v], lump(v), seed)).collect();
     let before = size(&rough, area_m2);
     take_long_waves(growing, surface, area_m2, &mut rough)?;
     let after = size(&rough, area_m2);
@@ -36,16 +46,23 @@ pub(super) fn band_limited(growing: &Growing<'_>, surface: &RestMetric, area_m2:
 }
 
 /// Takes what is longer than folds away from `rough` (`[V]`).
-fn take_long_waves(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64], rough: &mut [f64]) -> Result<()> {
+fn take_long_waves(
+    growing: &Growing<'_>,
+    surface: &RestMetric,
+    area_m2: &[f64],
+    rough: &mut [f64],
+) -> Result<()> {
     let n = area_m2.len();
-    let pattern = SymmetricPattern::from_elements(n, growing.topology.faces.iter().map(|face| &face[..]));
+    let pattern =
+        SymmetricPattern::from_elements(n, growing.topology.faces.iter().map(|face| &face[..]));
     let mut values = vec![0.0; pattern.entry_count()];
     for (face, rest) in growing.topology.faces.iter().zip(&surface.faces) {
         let reach_m = face.iter().map(|&v| growing.maps.wavelength_m[v]).sum::<f64>() / (3.0 * TAU);
         let slopes = rest.barycentric_gradients();
         for k in 0..3 {
             for l in 0..=k {
-                values[pattern.slot(face[k], face[l])] += reach_m * reach_m * rest.area_m2 * slopes[k].dot(&slopes[l]);
+                values[pattern.slot(face[k], face[l])] +=
+                    reach_m * reach_m * rest.area_m2 * slopes[k].dot(&slopes[l]);
             }
         }
     }
@@ -54,7 +71,11 @@ fn take_long_waves(growing: &Growing<'_>, surface: &RestMetric, area_m2: &[f64],
     }
     let mut cholesky = Cholesky::new(pattern)?;
     if !cholesky.factorise(&values) {
-        return Err(Error::numeric("grow", "the starting surface's Laplacian is not positive definite; give the mesh better triangles"));
+        return Err(Error::numeric(
+            "grow",
+            "the starting surface's Laplacian is not positive definite; give the mesh better \
+             triangles",
+        ));
     }
     for _ in 0..PASSES {
         let mut long: Vec<f64> = rough.iter().zip(area_m2).map(|(w, area)| w * area).collect();
@@ -83,25 +104,38 @@ mod tests {
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("p", start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape("p", &start, &topology.faces).unwrap();
-        let growing = Growing::new(&topology, &rest, &start, Expansion::none(&topology, &start).unwrap(), 0.2, 0.0);
+        let growing = Growing::new(
+            &topology,
+            &rest,
+            &start,
+            Expansion::none(&topology, &start).unwrap(),
+            0.2,
+            0.0,
+        );
         let mut area_m2 = vec![0.0; start.len()];
         for (face, rest) in topology.faces.iter().zip(&rest.faces) {
             face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
         }
-        // Cosines are level at the rims, so they keep their shape: (r/(1 + r))² is left, r = (0.2 · waves)².
+        // Cosines are level at the rims, so they keep their shape: (r/(1 + r))² is left, r = (0.2 ·
+        // waves)².
         for waves in [0.0, 1.0, 2.0, 5.0, 10.0] {
             let wave: Vec<f64> = start.iter().map(|p| (TAU * waves * p.x).cos()).collect();
             let mut left = wave.clone();
             take_long_waves(&growing, &rest, &area_m2, &mut left).unwrap();
             let (r, whole) = ((0.2 * waves).powi(2), size(&wave, &area_m2));
             let share = (r / (1.0 + r)).powi(2);
-            assert!((size(&left, &area_m2) / whole - share).abs() < 0.02 * share + 1e-9, "{waves}: {}", size(&left, &area_m2) / whole);
+            assert!(
+                (size(&left, &area_m2) / whole - share).abs() < 0.02 * share + 1e-9,
+                "{waves}: {}",
+                size(&left, &area_m2) / whole
+            );
         }
         // Noise keeps its size.
         let raw: Vec<f64> = start.iter().map(|p| roughness(p, LUMP * 0.2, 1)).collect();
         let limited = band_limited(&growing, &rest, &area_m2, 1).unwrap();
         assert!((size(&limited, &area_m2) / size(&raw, &area_m2) - 1.0).abs() < 1e-12);
-        let mean: f64 = limited.iter().zip(&area_m2).map(|(w, area)| w * area).sum::<f64>() / area_m2.iter().sum::<f64>();
+        let mean: f64 = limited.iter().zip(&area_m2).map(|(w, area)| w * area).sum::<f64>()
+            / area_m2.iter().sum::<f64>();
         assert!(mean.abs() < 0.01 * size(&limited, &area_m2), "{mean}");
     }
 }

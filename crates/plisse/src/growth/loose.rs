@@ -1,14 +1,17 @@
-//! Surfaces that nothing, or little, holds to their start: what is left of the foundation, and imperfections that push nowhere.
+//! Surfaces that nothing, or little, holds to their start: what is left of the foundation, and
+//! imperfections that push nowhere.
 //!
-//! On a foundation, imperfections are offsets at which it is at rest. Where there is none they are offsets w₀ at which *bending* is at
-//! rest: a plate that was never quite flat. Its energy ½|R(u − w₀N)|² differs from that of a flat one by the dead forces RᵀR·w₀N, which
-//! have neither a sum nor a moment, so that a free plate does not drift.
+//! On a foundation, imperfections are offsets at which it is at rest. Where there is none they are
+//! offsets w₀ at which *bending* is at rest: a plate that was never quite flat. Its energy ½|R(u −
+//! w₀N)|² differs from that of a flat one by the dead forces RᵀR·w₀N, which have neither a sum nor
+//! a moment, so that a free plate does not drift.
 
 use super::film::bending_rows;
 use crate::mesh::Vec3;
 use crate::shell::Setup;
 
-/// Share of the foundation that is left where `hold` is 0: too little to be seen, enough for a place and a direction in space.
+/// Share of the foundation that is left where `hold` is 0: too little to be seen, enough for a
+/// place and a direction in space.
 const LEAST: f64 = 1e-6;
 
 /// Share of the foundation where `hold` asks for this one.
@@ -21,9 +24,13 @@ pub(super) fn missing(hold: f64) -> f64 {
     (1.0 - hold).max(0.0)
 }
 
-/// Vertices and forces (N) of a film that would be at rest with the offsets `rest_offset_m` (`[V]`, m); none if they are all 0.
-/// `thickness` is that of [`super::film::Film::new`].
-pub(super) fn forces_newton(setup: &Setup<'_>, thickness: &[f64], rest_offset_m: &[Vec3]) -> Vec<(usize, Vec3)> {
+/// Vertices and forces (N) of a film that would be at rest with the offsets `rest_offset_m` (`[V]`,
+/// m); none if they are all 0. `thickness` is that of [`super::film::Film::new`].
+pub(super) fn forces_newton(
+    setup: &Setup<'_>,
+    thickness: &[f64],
+    rest_offset_m: &[Vec3],
+) -> Vec<(usize, Vec3)> {
     if rest_offset_m.iter().all(|w| *w == Vec3::zeros()) {
         return Vec::new();
     }
@@ -50,15 +57,22 @@ mod tests {
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("p", start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape("p", &start, &topology.faces).unwrap();
-        let (material, clamps) = (Material::new(1e5, 0.0, 0.01).unwrap(), Clamps::none(start.len()));
+        let (material, clamps) =
+            (Material::new(1e5, 0.0, 0.01).unwrap(), Clamps::none(start.len()));
         let setup = Setup::new(&topology, &rest, &material, &clamps);
         let thickness = vec![1.0; topology.face_count()];
-        let rough: Vec<Vec3> = start.iter().map(|p| Vec3::z() * (0.01 * (9.0 * p.x).sin() * (7.0 * p.y).cos())).collect();
+        let rough: Vec<Vec3> = start
+            .iter()
+            .map(|p| Vec3::z() * (0.01 * (9.0 * p.x).sin() * (7.0 * p.y).cos()))
+            .collect();
         let forces = forces_newton(&setup, &thickness, &rough);
         let size: f64 = forces.iter().map(|(_, f)| f.norm()).sum();
         let sum: Vec3 = forces.iter().map(|(_, f)| *f).sum();
         let moment: Vec3 = forces.iter().map(|&(v, f)| start[v].cross(&f)).sum();
-        assert!(size > 0.0 && sum.norm() < 1e-9 * size && moment.norm() < 1e-9 * size, "{size} {sum} {moment}");
+        assert!(
+            size > 0.0 && sum.norm() < 1e-9 * size && moment.norm() < 1e-9 * size,
+            "{size} {sum} {moment}"
+        );
         assert!(forces_newton(&setup, &thickness, &vec![Vec3::zeros(); start.len()]).is_empty());
         assert_eq!((share(0.0), share(0.5), missing(0.25), missing(3.0)), (LEAST, 0.5, 0.75, 0.0));
     }

@@ -1,9 +1,10 @@
-//! What came out of growth: how many folds there are, which way their crests run, how far they run straight, and how much of the asked
-//! length was reached.
+//! What came out of growth: how many folds there are, which way their crests run, how far they run
+//! straight, and how much of the asked length was reached.
 //!
-//! Offsets w (m) from the starting surface are read on a regular grid over a *chart* of it: two lengths (m) for each vertex, the first
-//! along the direction of growth, the second along the crests. A flat sheet is its own chart. So folds are counted by the spacing
-//! that is seen on the starting surface, however far the grown surface is folded.
+//! Offsets w (m) from the starting surface are read on a regular grid over a *chart* of it: two
+//! lengths (m) for each vertex, the first along the direction of growth, the second along the
+//! crests. A flat sheet is its own chart. So folds are counted by the spacing that is seen on the
+//! starting surface, however far the grown surface is folded.
 
 use std::f64::consts::TAU;
 
@@ -45,44 +46,73 @@ pub struct Relief {
     pub offset_m: Vec<f64>,
     /// Whether rows return to where they begin, one point after the last.
     pub around: bool,
-    /// Whether folds are what is steep, not what is high: for closed surfaces, which also shift and bend as a whole.
+    /// Whether folds are what is steep, not what is high: for closed surfaces, which also shift and
+    /// bend as a whole.
     pub steep: bool,
 }
 
 impl Relief {
-    /// Reads `offset_m` (`[V]`) over `chart` (`[V]`, m) in `window` with `size` points, linearly inside faces.
+    /// Reads `offset_m` (`[V]`) over `chart` (`[V]`, m) in `window` with `size` points, linearly
+    /// inside faces.
     ///
     /// # Errors
     /// [`Error::Value`] if the window reaches beyond the surface or holds fewer than 8 × 2 points.
-    pub fn new(topology: &Topology, chart: &[Vec2], offset_m: &[f64], window: &Window, size: [usize; 2]) -> Result<Self> {
-        Self::from_corners(topology.faces.iter().map(|face| (face.map(|v| chart[v]), face.map(|v| offset_m[v]))), window, size)
+    pub fn new(
+        topology: &Topology,
+        chart: &[Vec2],
+        offset_m: &[f64],
+        window: &Window,
+        size: [usize; 2],
+    ) -> Result<Self> {
+        Self::from_corners(
+            topology.faces.iter().map(|face| (face.map(|v| chart[v]), face.map(|v| offset_m[v]))),
+            window,
+            size,
+        )
     }
 
-    /// As [`Relief::new`], from each face's corners in the chart (m) and their offsets (m): a chart may be cut, or repeat itself.
+    /// As [`Relief::new`], from each face's corners in the chart (m) and their offsets (m): a chart
+    /// may be cut, or repeat itself.
     ///
     /// # Errors
     /// As [`Relief::new`].
-    pub fn from_corners(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2]) -> Result<Self> {
+    pub fn from_corners(
+        faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>,
+        window: &Window,
+        size: [usize; 2],
+    ) -> Result<Self> {
         Self::sampled(faces, window, size, false)
     }
 
-    /// As [`Relief::from_corners`], in a window that goes around something: its right rim is its left one.
+    /// As [`Relief::from_corners`], in a window that goes around something: its right rim is its
+    /// left one.
     ///
     /// # Errors
     /// As [`Relief::new`].
-    pub fn around(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2]) -> Result<Self> {
+    pub fn around(
+        faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>,
+        window: &Window,
+        size: [usize; 2],
+    ) -> Result<Self> {
         Self::sampled(faces, window, size, true)
     }
 
-    fn sampled(faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, window: &Window, size: [usize; 2], around: bool) -> Result<Self> {
+    fn sampled(
+        faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>,
+        window: &Window,
+        size: [usize; 2],
+        around: bool,
+    ) -> Result<Self> {
         let extent = window.high - window.low;
         if size[0] < 8 || size[1] < 2 || extent.min() <= 0.0 {
             return Err(Error::value(
                 "window",
-                "it holds too few points to count folds; give 8 or more along the growth, 2 or more across",
+                "it holds too few points to count folds; give 8 or more along the growth, 2 or \
+                 more across",
             ));
         }
-        let spacing_m = [extent.x / (size[0] - usize::from(!around)) as f64, extent.y / (size[1] - 1) as f64];
+        let spacing_m =
+            [extent.x / (size[0] - usize::from(!around)) as f64, extent.y / (size[1] - 1) as f64];
         let mut grid = vec![f64::NAN; size[0] * size[1]];
         for ([a, b, c], w) in faces {
             let double_area = (b - a).perp(&(c - a));
@@ -91,7 +121,8 @@ impl Relief {
             }
             // Points in the face's bounding box.
             let range = |axis: usize| {
-                let (low, high) = (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
+                let (low, high) =
+                    (a[axis].min(b[axis]).min(c[axis]), a[axis].max(b[axis]).max(c[axis]));
                 let at = |x: f64| (x - window.low[axis]) / spacing_m[axis];
                 let first = (at(low) - 1e-9).ceil().max(0.0) as usize;
                 let last = (at(high) + 1e-9).floor();
@@ -99,7 +130,8 @@ impl Relief {
             };
             for j in range(1) {
                 for i in range(0) {
-                    let p = window.low + Vec2::new(i as f64 * spacing_m[0], j as f64 * spacing_m[1]);
+                    let p =
+                        window.low + Vec2::new(i as f64 * spacing_m[0], j as f64 * spacing_m[1]);
                     let u = (p - a).perp(&(c - a)) / double_area;
                     let v = (b - a).perp(&(p - a)) / double_area;
                     if u >= -1e-9 && v >= -1e-9 && u + v <= 1.0 + 1e-9 {
@@ -125,8 +157,8 @@ impl Relief {
         (self.offset_m.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / n).sqrt()
     }
 
-    /// The mean power spectrum along the growth: wave numbers (waves per metre) and power (m², not normalised). Around something there are
-    /// whole waves only, and no rim to be softened.
+    /// The mean power spectrum along the growth: wave numbers (waves per metre) and power (m², not
+    /// normalised). Around something there are whole waves only, and no rim to be softened.
     pub fn spectrum(&self) -> (Vec<f64>, Vec<f64>) {
         let [m, n] = self.size;
         let (steps, fineness) = if self.around { (m, 1.0) } else { (m - 1, FINENESS) };
@@ -144,9 +176,12 @@ impl Relief {
             })
             .collect();
         let power_of = |wave: &f64| {
-            let turns: Vec<(f64, f64)> = (0..m).map(|i| (TAU * wave * self.spacing_m[0] * i as f64).sin_cos()).collect();
+            let turns: Vec<(f64, f64)> =
+                (0..m).map(|i| (TAU * wave * self.spacing_m[0] * i as f64).sin_cos()).collect();
             let row_power = |row: &Vec<f64>| {
-                let part = |of: fn(&(f64, f64)) -> f64| row.iter().zip(&turns).map(|(w, turn)| w * of(turn)).sum::<f64>();
+                let part = |of: fn(&(f64, f64)) -> f64| {
+                    row.iter().zip(&turns).map(|(w, turn)| w * of(turn)).sum::<f64>()
+                };
                 part(|turn| turn.0).powi(2) + part(|turn| turn.1).powi(2)
             };
             rows.iter().map(row_power).sum()
@@ -155,7 +190,8 @@ impl Relief {
         (waves, power)
     }
 
-    /// The folds along the growth, by the highest peak of the spectrum (of that of the slopes, if what is steep counts); `None` where there is no relief.
+    /// The folds along the growth, by the highest peak of the spectrum (of that of the slopes, if
+    /// what is steep counts); `None` where there is no relief.
     pub fn folds(&self) -> Option<Folds> {
         let (waves, mut power) = self.spectrum();
         if self.steep {
@@ -167,9 +203,14 @@ impl Relief {
         }
         let half = 0.5 * power[peak];
         if self.around {
-            let run = |list: &mut dyn Iterator<Item = usize>| list.take_while(|&k| power[k] >= half).count();
+            let run = |list: &mut dyn Iterator<Item = usize>| {
+                list.take_while(|&k| power[k] >= half).count()
+            };
             let broad = run(&mut (0..peak).rev()) + run(&mut (peak..power.len()));
-            return Some(Folds { wavelength_m: 1.0 / waves[peak], width: broad as f64 / (peak + 1) as f64 });
+            return Some(Folds {
+                wavelength_m: 1.0 / waves[peak],
+                width: broad as f64 / (peak + 1) as f64,
+            });
         }
         let below = (0..peak).rev().find(|&k| power[k] < half).unwrap_or(0);
         let above = (peak..power.len()).find(|&k| power[k] < half).unwrap_or(power.len() - 1);
@@ -184,8 +225,9 @@ impl Relief {
         Some(Folds { wavelength_m: 1.0 / wave, width: (waves[above] - waves[below]) / wave })
     }
 
-    /// Share of the window (0 to 1) where crests run within `within_rad` of perpendicular to the growth. The direction at a point is that
-    /// of the mean dyad of slopes within `radius_m` around it; points without relief count as off.
+    /// Share of the window (0 to 1) where crests run within `within_rad` of perpendicular to the
+    /// growth. The direction at a point is that of the mean dyad of slopes within `radius_m` around
+    /// it; points without relief count as off.
     pub fn crests_within(&self, within_rad: f64, radius_m: f64) -> f64 {
         let [m, n] = self.size;
         let slope = |i: usize, j: usize| {
@@ -200,7 +242,8 @@ impl Relief {
                 (self.at(i, j1) - self.at(i, j0)) / ((j1 - j0) as f64 * self.spacing_m[1]),
             )
         };
-        let mut dyads: Vec<Mat2> = (0..m * n).map(|k| slope(k % m, k / m)).map(|g| g * g.transpose()).collect();
+        let mut dyads: Vec<Mat2> =
+            (0..m * n).map(|k| slope(k % m, k / m)).map(|g| g * g.transpose()).collect();
         let whole: f64 = dyads.iter().map(Mat2::trace).sum::<f64>() / (m * n) as f64;
         // A mean over a square, one way after the other.
         for (axis, count, lines, step, skip) in [(0, m, n, 1, m), (1, n, m, m, 1)] {
@@ -209,7 +252,8 @@ impl Relief {
                 let values: Vec<Mat2> = (0..count).map(|k| dyads[line * skip + k * step]).collect();
                 for k in 0..count {
                     let near = k.saturating_sub(reach)..(k + reach + 1).min(count);
-                    dyads[line * skip + k * step] = values[near.clone()].iter().sum::<Mat2>() / near.len() as f64;
+                    dyads[line * skip + k * step] =
+                        values[near.clone()].iter().sum::<Mat2>() / near.len() as f64;
                 }
             }
         }
@@ -221,8 +265,8 @@ impl Relief {
         dyads.iter().filter(|dyad| straight(dyad)).count() as f64 / (m * n) as f64
     }
 
-    /// Correlation length along the crests (m): where the correlation of offsets has fallen to one half. If it has not within half of
-    /// the window, it is drawn on as a bell curve.
+    /// Correlation length along the crests (m): where the correlation of offsets has fallen to one
+    /// half. If it has not within half of the window, it is drawn on as a bell curve.
     pub fn correlation_m(&self) -> Option<f64> {
         let [m, n] = self.size;
         let correlation = |lag: usize| {
@@ -257,7 +301,8 @@ impl Relief {
 pub struct Folds {
     /// Their spacing (m) on the starting surface.
     pub wavelength_m: f64,
-    /// Width of the spectrum's peak at half its height, over its place. Around something, that of the whole waves that have half of it.
+    /// Width of the spectrum's peak at half its height, over its place. Around something, that of
+    /// the whole waves that have half of it.
     pub width: f64,
 }
 
@@ -270,8 +315,8 @@ pub struct Reached {
     pub area: f64,
 }
 
-/// What the faces for which `counts` says so reached of the metric `asked`; `along` (`[F]`) is a direction in space along which each face
-/// of `start` (`[V]`, m) grows.
+/// What the faces for which `counts` says so reached of the metric `asked`; `along` (`[F]`) is a
+/// direction in space along which each face of `start` (`[V]`, m) grows.
 pub fn reached(
     topology: &Topology,
     start: &[Vec3],
@@ -291,7 +336,8 @@ pub fn reached(
         let [p, q, r] = topology.faces[f].map(|v| pose[v]);
         let [e, g] = asked.faces[f].edges();
         let share = asked.faces[f].area_m2;
-        length += share * ((q - p) * part.x + (r - p) * part.y).norm() / (e * part.x + g * part.y).norm();
+        length +=
+            share * ((q - p) * part.x + (r - p) * part.y).norm() / (e * part.x + g * part.y).norm();
         area += 0.5 * (q - p).cross(&(r - p)).norm();
         weight += share;
     }
@@ -324,11 +370,17 @@ mod tests {
         for waves in [4.0, 5.0, 7.3, 10.0, 20.0] {
             for phase in [0.0, 1.0, 2.0] {
                 let folds = relief(|x, _| 0.3 + (TAU * waves * x + phase).sin()).folds().unwrap();
-                assert!((folds.wavelength_m * waves - 1.0).abs() < 0.02, "{waves} {phase} {folds:?}");
+                assert!(
+                    (folds.wavelength_m * waves - 1.0).abs() < 0.02,
+                    "{waves} {phase} {folds:?}"
+                );
             }
         }
         // The count can be wrong, and is seen to be: half of the folds doubled; flat.
-        let doubled = relief(|x, _| if x < 0.5 { (TAU * 5.0 * x).sin() } else { (TAU * 10.0 * x).sin() }).folds().unwrap();
+        let doubled =
+            relief(|x, _| if x < 0.5 { (TAU * 5.0 * x).sin() } else { (TAU * 10.0 * x).sin() })
+                .folds()
+                .unwrap();
         let one = relief(|x, _| (TAU * 5.0 * x).sin()).folds().unwrap();
         assert!(doubled.width > 1.5 * one.width || (doubled.wavelength_m * 5.0 - 1.0).abs() > 0.15);
         assert_eq!(relief(|_, _| 0.0).folds(), None);
@@ -342,9 +394,15 @@ mod tests {
         let mut ring = Relief::around(faces.into_iter(), &window, [120, 3]).unwrap();
         assert!((ring.spacing_m[0] - 3.0 / 120.0).abs() < 1e-15 && ring.folds().is_none());
         for waves in [2.0, 3.0, 11.0] {
-            ring.offset_m = (0..360).map(|k| (TAU * waves * (k % 120) as f64 / 120.0 + (k / 120) as f64).cos()).collect();
+            ring.offset_m = (0..360)
+                .map(|k| (TAU * waves * (k % 120) as f64 / 120.0 + (k / 120) as f64).cos())
+                .collect();
             let folds = ring.folds().unwrap();
-            assert!((3.0 / folds.wavelength_m - waves).abs() < 1e-12 && (folds.width - 1.0 / waves).abs() < 1e-12, "{folds:?}");
+            assert!(
+                (3.0 / folds.wavelength_m - waves).abs() < 1e-12
+                    && (folds.width - 1.0 / waves).abs() < 1e-12,
+                "{folds:?}"
+            );
             // As a window with rims it is read less sharply.
             let open = Relief { around: false, spacing_m: [3.0 / 119.0, 0.5], ..ring.clone() };
             assert!(open.folds().unwrap().width > 1.3 * folds.width);
@@ -353,11 +411,17 @@ mod tests {
 
     #[test]
     fn crests_that_lean_are_told_from_straight_ones() {
-        let leaning = |degrees: f64| relief(move |x, y| (TAU * 6.0 * (x + y * (degrees * PI / 180.0).tan())).sin());
+        let leaning = |degrees: f64| {
+            relief(move |x, y| (TAU * 6.0 * (x + y * (degrees * PI / 180.0).tan())).sin())
+        };
         assert!(leaning(0.0).crests_within(CREST, 0.08) > 0.999);
         assert!(leaning(8.0).crests_within(CREST, 0.08) > 0.95);
         assert!(leaning(13.0).crests_within(CREST, 0.08) < 0.05);
-        assert!(relief(|x, y| if y < 0.5 { (TAU * 6.0 * x).sin() } else { (TAU * 6.0 * y).sin() }).crests_within(CREST, 0.05) < 0.6);
+        assert!(
+            relief(|x, y| if y < 0.5 { (TAU * 6.0 * x).sin() } else { (TAU * 6.0 * y).sin() })
+                .crests_within(CREST, 0.05)
+                < 0.6
+        );
         assert_eq!(relief(|_, _| 0.0).crests_within(CREST, 0.05), 0.0);
     }
 
@@ -376,7 +440,12 @@ mod tests {
     fn length_and_area_are_held_against_what_was_asked() {
         let start = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)];
         let topology = Topology::new("t", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
-        let asked = RestMetric::from_shape("t", &start.map(|p| Vec3::new(2.0 * p.x, p.y, 0.0)), &topology.faces).unwrap();
+        let asked = RestMetric::from_shape(
+            "t",
+            &start.map(|p| Vec3::new(2.0 * p.x, p.y, 0.0)),
+            &topology.faces,
+        )
+        .unwrap();
         let pose = start.map(|p| Vec3::new(1.5 * p.x, p.y, 0.0));
         let reached = reached(&topology, &start, &asked, &pose, &[Vec3::x(); 2], |_| true);
         assert!((reached.length - 0.75).abs() < 1e-12 && (reached.area - 0.75).abs() < 1e-12);
@@ -391,6 +460,11 @@ mod tests {
         let relief = Relief::new(&topology, &chart, &offset, &window, [9, 5]).unwrap();
         assert!((relief.at(3, 2) - (0.75 - 0.5)).abs() < 1e-12);
         let beyond = Window { high: Vec2::new(1.2, 1.0), ..window };
-        assert!(Relief::new(&topology, &chart, &offset, &beyond, [9, 5]).unwrap_err().to_string().contains("beyond"));
+        assert!(
+            Relief::new(&topology, &chart, &offset, &beyond, [9, 5])
+                .unwrap_err()
+                .to_string()
+                .contains("beyond")
+        );
     }
 }

@@ -1,11 +1,11 @@
 //! Folds where the surface is told to grow: expansion textures ([Combaz & Neyret 2002]).
 //!
 //! [`expansion`] says by how much, and along what, the surface grows, and edits the rest metric; [`procedure`] makes such maps, and
-//! maps of single numbers, from the place on the surface; [`equilibrium`] folds the grown surface up by minimising the energy of a
+//! maps of single numbers, from the place on the surface; [`equilibrium`] folds the grown surface
+//! up by minimising the energy of a
 //! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large
-//! fold; [`measure`] counts what came out; [`mod@remesh`] makes the mesh fine where it grows, [`adapt`] while it
-//! does; [`sculpt`] follows a brush, and solves what
-//! lies around it alone.
+//! fold; [`measure`] counts what came out; [`mod@remesh`] makes the mesh fine where it grows,
+//! [`adapt`] while it does; [`sculpt`] follows a brush, and solves what lies around it alone.
 
 pub mod adapt;
 mod bands;

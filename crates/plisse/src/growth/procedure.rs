@@ -1,5 +1,6 @@
-//! Maps made by procedures from the place on the starting surface, all of them seeded and the same on every machine: one number for
-//! each vertex (an amount of growth, a wavelength λ, a coherence length Λ, what is frozen, a bias, a stickiness) or a direction.
+//! Maps made by procedures from the place on the starting surface, all of them seeded and the same
+//! on every machine: one number for each vertex (an amount of growth, a wavelength λ, a coherence
+//! length Λ, what is frozen, a bias, a stickiness) or a direction.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +11,8 @@ use crate::{Error, Result};
 /// Octaves of fractal noise at most.
 const MOST_OCTAVES: usize = 16;
 
-/// Where a map is high (1) and where it is low (0). Borders are soft over a length (m): 0 cuts sharply.
+/// Where a map is high (1) and where it is low (0). Borders are soft over a length (m): 0 cuts
+/// sharply.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Procedure {
     /// 1 everywhere.
@@ -69,7 +71,8 @@ pub enum Procedure {
         /// Chooses the noise.
         seed: u64,
     },
-    /// Noise on ever smaller scales, each half as large and half as strong as the one before; between 0 and 1.
+    /// Noise on ever smaller scales, each half as large and half as strong as the one before;
+    /// between 0 and 1.
     Fractal {
         /// Size of the largest lumps (m).
         size_m: f64,
@@ -93,13 +96,20 @@ impl Procedure {
         };
         let softness = |value: f64| {
             let message = || format!("{value} is no length; give 0 or a positive number of metres");
-            if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(Error::value(format!("{place}.soft_m"), message())) }
+            if value.is_finite() && value >= 0.0 {
+                Ok(())
+            } else {
+                Err(Error::value(format!("{place}.soft_m"), message()))
+            }
         };
         let direction = |name: &str, d: &Vec3| {
             if d.iter().all(|x| x.is_finite()) && d.norm() > 0.0 {
                 return Ok(());
             }
-            Err(Error::value(format!("{place}.{name}"), "it has no direction; give a vector that is not zero"))
+            Err(Error::value(
+                format!("{place}.{name}"),
+                "it has no direction; give a vector that is not zero",
+            ))
         };
         match self {
             Self::Uniform => Ok(()),
@@ -123,7 +133,8 @@ impl Procedure {
             Self::Noise { size_m, .. } => positive("size_m", *size_m),
             Self::Fractal { size_m, octaves, .. } => {
                 if !(1..=MOST_OCTAVES).contains(octaves) {
-                    let message = format!("{octaves} is no number of scales; give 1 to {MOST_OCTAVES}");
+                    let message =
+                        format!("{octaves} is no number of scales; give 1 to {MOST_OCTAVES}");
                     return Err(Error::value(format!("{place}.octaves"), message));
                 }
                 positive("size_m", *size_m)
@@ -139,11 +150,15 @@ impl Procedure {
                 let way = to - from;
                 ((p - from).dot(&way) / way.norm_squared()).clamp(0.0, 1.0)
             }
-            Self::Band { centre, normal, width_m, soft_m } => edge((p - centre).dot(&normal.normalize()).abs() - 0.5 * width_m, *soft_m),
+            Self::Band { centre, normal, width_m, soft_m } => {
+                edge((p - centre).dot(&normal.normalize()).abs() - 0.5 * width_m, *soft_m)
+            }
             Self::Ring { centre, axis, radius_m, width_m, soft_m } => {
                 edge((from_axis(p, centre, axis) - radius_m).abs() - 0.5 * width_m, *soft_m)
             }
-            Self::Radial { centre, axis, radius_m } => (1.0 - from_axis(p, centre, axis) / radius_m).clamp(0.0, 1.0),
+            Self::Radial { centre, axis, radius_m } => {
+                (1.0 - from_axis(p, centre, axis) / radius_m).clamp(0.0, 1.0)
+            }
             Self::Spots { centres, radius_m } => {
                 let spot = |c: &Vec3| {
                     let r = ((p - c).norm() / radius_m).min(1.0);
@@ -165,7 +180,8 @@ impl Procedure {
         }
     }
 
-    /// `[V]` the map between `low` (where it is 0) and `high` (where it is 1), in their unit, at `positions` (m).
+    /// `[V]` the map between `low` (where it is 0) and `high` (where it is 1), in their unit, at
+    /// `positions` (m).
     pub fn map(&self, positions: &[Vec3], low: f64, high: f64) -> Vec<f64> {
         let between = |p: &Vec3| match self.value(p) {
             // Exactly the ends.
@@ -240,7 +256,9 @@ fn noise(p: &Vec3, seed: u64) -> f64 {
         for axis in 0..3 {
             let side = (corner >> axis) & 1;
             weight *= if side == 1 { ease[axis] } else { 1.0 - ease[axis] };
-            state = state.rotate_left(23) ^ ((cell[axis] as i64).wrapping_add(side as i64) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            state = state.rotate_left(23)
+                ^ ((cell[axis] as i64).wrapping_add(side as i64) as u64)
+                    .wrapping_mul(0x9E37_79B9_7F4A_7C15);
             // One step of the generator mixes all bits.
             state = (Random(state).unit() * 2.0_f64.powi(53)) as u64;
         }
@@ -249,12 +267,17 @@ fn noise(p: &Vec3, seed: u64) -> f64 {
     sum
 }
 
-/// Rough noise of mean 0 and about unit size at `p` (m), with lumps of `size_m` (m): two scales of noise, shifted at random.
+/// Rough noise of mean 0 and about unit size at `p` (m), with lumps of `size_m` (m): two scales of
+/// noise, shifted at random.
 pub(crate) fn roughness(p: &Vec3, size_m: f64, seed: u64) -> f64 {
     let (mut sum, mut random) = (0.0, Random(seed ^ 0x5DEE_CE66));
     for octave in 0..2 {
         let size = size_m / (1.0 + octave as f64);
-        sum += 2.0 * noise(&(p / size + Vec3::new(random.unit(), random.unit(), random.unit()) * TAU), seed.wrapping_add(octave)) - 1.0;
+        sum +=
+            2.0 * noise(
+                &(p / size + Vec3::new(random.unit(), random.unit(), random.unit()) * TAU),
+                seed.wrapping_add(octave),
+            ) - 1.0;
     }
     sum
 }
@@ -269,12 +292,21 @@ mod tests {
         let band = Procedure::Band { centre: x * 0.5, normal: x * 2.0, width_m: 0.2, soft_m: 0.1 };
         assert_eq!([0.5, 0.59, 0.71].map(|s| band.value(&(x * s))), [1.0, 1.0, 0.0]);
         assert!((band.value(&(x * 0.65)) - 0.5).abs() < 1e-12);
-        let ring = Procedure::Ring { centre: Vec3::zeros(), axis: z, radius_m: 1.0, width_m: 0.2, soft_m: 0.0 };
+        let ring = Procedure::Ring {
+            centre: Vec3::zeros(),
+            axis: z,
+            radius_m: 1.0,
+            width_m: 0.2,
+            soft_m: 0.0,
+        };
         assert_eq!([0.0, 0.95, 1.05, 1.2].map(|s| ring.value(&(x * s + z))), [0.0, 1.0, 1.0, 0.0]);
         let ramp = Procedure::Ramp { from: Vec3::zeros(), to: x * 2.0 };
         assert_eq!(ramp.map(&[x * -1.0, x, x * 3.0], 1.0, 3.0), [1.0, 2.0, 3.0]);
         let spots = Procedure::Spots { centres: vec![x, z], radius_m: 0.5 };
-        assert_eq!((spots.value(&x), spots.value(&z), spots.value(&Vec3::zeros())), (1.0, 1.0, 0.0));
+        assert_eq!(
+            (spots.value(&x), spots.value(&z), spots.value(&Vec3::zeros())),
+            (1.0, 1.0, 0.0)
+        );
         let radial = Procedure::Radial { centre: z, axis: z, radius_m: 2.0 };
         assert_eq!(radial.value(&x), 0.5);
         let around = Course::Around { centre: Vec3::zeros(), axis: z };
@@ -283,15 +315,23 @@ mod tests {
 
     #[test]
     fn noise_is_smooth_seeded_and_fills_its_range() {
-        for procedure in [|seed| Procedure::Noise { size_m: 0.1, seed }, |seed| Procedure::Fractal { size_m: 0.3, octaves: 4, seed }] {
-            let at = |seed, k: usize| procedure(seed).value(&Vec3::new(k as f64 * 0.003, 0.2, -0.7));
+        for procedure in [
+            |seed| Procedure::Noise { size_m: 0.1, seed },
+            |seed| Procedure::Fractal { size_m: 0.3, octaves: 4, seed },
+        ] {
+            let at =
+                |seed, k: usize| procedure(seed).value(&Vec3::new(k as f64 * 0.003, 0.2, -0.7));
             let values: Vec<f64> = (0..3000).map(|k| at(1, k)).collect();
-            let (low, high) = values.iter().fold((1.0_f64, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
+            let (low, high) =
+                values.iter().fold((1.0_f64, 0.0_f64), |(l, h), &v| (l.min(v), h.max(v)));
             assert!(low >= 0.0 && high <= 1.0 && high - low > 0.4, "{low} {high}");
             assert!(values.windows(2).all(|w| (w[1] - w[0]).abs() < 0.15));
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             assert!((mean - 0.5).abs() < 0.1, "{mean}");
-            assert!(values.iter().enumerate().all(|(k, v)| at(1, k) == *v) && values.iter().enumerate().any(|(k, v)| at(2, k) != *v));
+            assert!(
+                values.iter().enumerate().all(|(k, v)| at(1, k) == *v)
+                    && values.iter().enumerate().any(|(k, v)| at(2, k) != *v)
+            );
         }
     }
 
@@ -301,6 +341,8 @@ mod tests {
         assert!(told(Procedure::Noise { size_m: 0.0, seed: 1 }).contains("growth.amount.size_m"));
         assert!(told(Procedure::Fractal { size_m: 1.0, octaves: 0, seed: 1 }).contains("octaves"));
         assert!(told(Procedure::Ramp { from: Vec3::x(), to: Vec3::x() }).contains("no direction"));
-        assert!(told(Procedure::Spots { centres: vec![], radius_m: f64::NAN }).contains("radius_m"));
+        assert!(
+            told(Procedure::Spots { centres: vec![], radius_m: f64::NAN }).contains("radius_m")
+        );
     }
 }

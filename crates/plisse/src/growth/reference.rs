@@ -1,21 +1,26 @@
-//! The reference mode: the forces (1)–(6) of [Combaz & Neyret 2002] with its smoothing kernel and sigmoid (4.4), integrated
-//! semi-implicitly. Kept because the paper's figures were made with it; [`super::equilibrium`] is the default.
+//! The reference mode: the forces (1)–(6) of [Combaz & Neyret 2002] with its smoothing kernel and
+//! sigmoid (4.4), integrated semi-implicitly. Kept because the paper's figures were made with it;
+//! [`super::equilibrium`] is the default.
 //!
-//! All forces are per unit of starting area and in units of the membrane's stiffness. With the curvature κ = −N·Δx (1/m, positive where
-//! the surface bulges out; κ₀ is that of the starting surface) and the share C_a by which the cell of a vertex is smaller than it wants:
+//! All forces are per unit of starting area and in units of the membrane's stiffness. With the
+//! curvature κ = −N·Δx (1/m, positive where the surface bulges out; κ₀ is that of the starting
+//! surface) and the share C_a by which the cell of a vertex is smaller than it wants:
 //!
 //! - membrane (1)–(3): St. Venant–Kirchhoff on ā, its force projected on the tangent plane;
 //! - curvature (4): −k_κ(κ − κ₀)·N;
-//! - folding (5): (k_p·σ(κ* − κ₀*) + k_pi)·C_a·N with κ* = κ + ν_u·∂²κ/∂u² + ν_c·∂²κ/∂c², ν = (wavelength/2π)² along the growth u with λ and along
-//!   the crests c with Λ; σ = tanh of its argument times λ/2π and a sharpness.
+//! - folding (5): (k_p·σ(κ* − κ₀*) + k_pi)·C_a·N with κ* = κ + ν_u·∂²κ/∂u² + ν_c·∂²κ/∂c², ν =
+//!   (wavelength/2π)² along the growth u with λ and along the crests c with Λ; σ = tanh of its
+//!   argument times λ/2π and a sharpness.
 //!
-//! The kernel's derivatives are taken on the starting surface, so that λ is the spacing seen there, as in the other mode. Sliding and
-//! offset each have a constant matrix, factorised once for each level of growth: mass/dt plus the stiffness of the membrane, and plus those of
-//! curvature and kernel. The forces are no gradient of an energy: there is nothing to search a line on, and the end is told by the
-//! largest force.
+//! The kernel's derivatives are taken on the starting surface, so that λ is the spacing seen there,
+//! as in the other mode. Sliding and offset each have a constant matrix, factorised once for each
+//! level of growth: mass/dt plus the stiffness of the membrane, and plus those of curvature and
+//! kernel. The forces are no gradient of an energy: there is nothing to search a line on, and the
+//! end is told by the largest force.
 //!
-//! What the forces can be expected to do: a small wave of wave number q grows by q²·(k_p·C_a·(1 − νq²) − k_κ), most at
-//! q² = (1 − k_κ/k_pC_a)/2ν. So folds begin √2·λ apart or more, not λ, and the shape is at rest where κ* = 0 only if nothing else acts.
+//! What the forces can be expected to do: a small wave of wave number q grows by q²·(k_p·C_a·(1 −
+//! νq²) − k_κ), most at q² = (1 − k_κ/k_pC_a)/2ν. So folds begin √2·λ apart or more, not λ, and the
+//! shape is at rest where κ* = 0 only if nothing else acts.
 
 use std::f64::consts::TAU;
 use web_time::Instant;
@@ -38,7 +43,8 @@ use crate::{Error, Result};
 pub struct ReferenceOptions {
     /// k_p (no unit, times the membrane's stiffness over λ): how strongly folds are driven.
     pub folding: f64,
-    /// k_κ over k_p·λ/2π (no unit): what holds folds smooth, and what is missing of the asked length.
+    /// k_κ over k_p·λ/2π (no unit): what holds folds smooth, and what is missing of the asked
+    /// length.
     pub smoothness: f64,
     /// Sharpness of the sigmoid.
     pub sharpness: f64,
@@ -104,11 +110,16 @@ pub struct ReferenceReport {
     pub seconds: f64,
 }
 
-/// The folded surface (`[V]`, m) by the paper's forces. Frozen axes are kept; sticking, loads and obstacles are not in this mode.
+/// The folded surface (`[V]`, m) by the paper's forces. Frozen axes are kept; sticking, loads and
+/// obstacles are not in this mode.
 ///
 /// # Errors
 /// [`Error::Value`] if λ varies (its matrices take one), or loads or obstacles are given; [`Error::Numeric`] if it diverges.
-pub fn grow_by_forces(growing: &Growing<'_>, options: &ReferenceOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, ReferenceReport)> {
+pub fn grow_by_forces(
+    growing: &Growing<'_>,
+    options: &ReferenceOptions,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, ReferenceReport)> {
     grow_by_forces_each(growing, options, observer, &mut |_, _| Ok(()))
 }
 
@@ -127,18 +138,25 @@ pub fn grow_by_forces_each(
     if growing.maps.wavelength_m.iter().any(|&w| w != wavelength_m) {
         return Err(Error::value(
             "growth.wavelength_m",
-            "the reference mode takes one for the whole surface; give a number, or use the other mode",
+            "the reference mode takes one for the whole surface; give a number, or use the other \
+             mode",
         ));
     }
-    if !growing.obstacles.is_empty() || growing.loads != crate::shell::Loads::default() || growing.maps.stickiness.iter().any(|&s| s != 0.0)
+    if !growing.obstacles.is_empty()
+        || growing.loads != crate::shell::Loads::default()
+        || growing.maps.stickiness.iter().any(|&s| s != 0.0)
     {
         return Err(Error::value(
             "growth.mode",
-            "the reference mode knows no loads, sticking or obstacles; remove them, or use the other mode",
+            "the reference mode knows no loads, sticking or obstacles; remove them, or use the \
+             other mode",
         ));
     }
     if growing.maps.hold.iter().any(|&hold| hold != 1.0) {
-        return Err(Error::value("growth.hold", "the reference mode has no foundation; remove this, or use the other mode"));
+        return Err(Error::value(
+            "growth.hold",
+            "the reference mode has no foundation; remove this, or use the other mode",
+        ));
     }
     let mut pose = growing.start.to_vec();
     let (mut iterations, mut residual, mut cancelled) = (0, 0.0, false);
@@ -178,7 +196,10 @@ pub fn grow_by_forces_each(
     let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
     let seconds = begun.elapsed().as_secs_f64();
     let converged = levels.last().is_none_or(|level| level.converged);
-    Ok((pose, ReferenceReport { levels, cancelled, iterations, residual, converged, asked, seconds }))
+    Ok((
+        pose,
+        ReferenceReport { levels, cancelled, iterations, residual, converged, asked, seconds },
+    ))
 }
 
 /// The paper's forces at one level of growth.
@@ -203,7 +224,12 @@ struct Forces<'a, 'b> {
 }
 
 impl<'a, 'b> Forces<'a, 'b> {
-    fn new(growing: &'b Growing<'a>, options: &'b ReferenceOptions, grown: &RestMetric, wavelength_m: f64) -> Result<Self> {
+    fn new(
+        growing: &'b Growing<'a>,
+        options: &'b ReferenceOptions,
+        grown: &RestMetric,
+        wavelength_m: f64,
+    ) -> Result<Self> {
         let (topology, start) = (growing.topology, growing.start);
         // Membrane stiffness 1 N/m: the thickness is a formality.
         let material = Material::new(1.0, 0.0, 1.0)?;
@@ -217,23 +243,29 @@ impl<'a, 'b> Forces<'a, 'b> {
             }
         }
         // The rows of quadratic bending are −√(D/2/cell) times the integral of the Laplacian.
-        let stiffness = material.thickness_m.powi(3) / 12.0 * (material.alpha() / 2.0 + material.beta());
+        let stiffness =
+            material.thickness_m.powi(3) / 12.0 * (material.alpha() / 2.0 + material.beta());
         let mut laplacian = QuadraticBending::new(topology, grown, &material).rows;
         for (row, cell) in laplacian.iter_mut().zip(&cell_m2) {
             row.iter_mut().for_each(|(_, c)| *c /= (stiffness * cell).sqrt());
         }
-        let kernel: Vec<[[f64; 3]; 3]> = (0..topology.face_count()).map(|f| kernel(growing, &surface, f)).collect();
+        let kernel: Vec<[[f64; 3]; 3]> =
+            (0..topology.face_count()).map(|f| kernel(growing, &surface, f)).collect();
         let push_k = options.folding / wavelength_m;
         let dt = options.time_step * wavelength_m / push_k;
 
         // Sliding: mass/dt + stiffness of the membrane (at most twice a scalar Laplacian's).
-        let pattern = SymmetricPattern::from_elements(start.len(), topology.faces.iter().map(|face| &face[..]));
+        let pattern = SymmetricPattern::from_elements(
+            start.len(),
+            topology.faces.iter().map(|face| &face[..]),
+        );
         let mut values = vec![0.0; pattern.entry_count()];
         for (f, face) in topology.faces.iter().enumerate() {
             let g = grown.faces[f].barycentric_gradients();
             for k in 0..3 {
                 for l in 0..=k {
-                    values[pattern.slot(face[k], face[l])] += 2.0 * grown.faces[f].area_m2 * g[k].dot(&g[l]);
+                    values[pattern.slot(face[k], face[l])] +=
+                        2.0 * grown.faces[f].area_m2 * g[k].dot(&g[l]);
                 }
             }
         }
@@ -243,13 +275,16 @@ impl<'a, 'b> Forces<'a, 'b> {
         let frozen: Vec<bool> = growing.maps.frozen.iter().map(|f| *f == [true; 3]).collect();
         let sliding = factorised(pattern, &values, &frozen)?;
 
-        // Offset: mass/dt + Δᵀ(k_κ)… as squares of the Laplacian for the kernel and itself for the curvature's force.
-        let lists: Vec<Vec<usize>> = laplacian.iter().map(|row| row.iter().map(|&(v, _)| v).collect()).collect();
+        // Offset: mass/dt + Δᵀ(k_κ)… as squares of the Laplacian for the kernel and itself for the
+        // curvature's force.
+        let lists: Vec<Vec<usize>> =
+            laplacian.iter().map(|row| row.iter().map(|&(v, _)| v).collect()).collect();
         let pattern = SymmetricPattern::from_elements(start.len(), lists.iter().map(Vec::as_slice));
         let mut values = vec![0.0; pattern.entry_count()];
         let smooth = options.smoothness * push_k * wavelength_m / TAU;
         // The steepest that the sigmoid can answer to κ*, at a compression of a third.
-        let reach = growing.maps.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
+        let reach =
+            growing.maps.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
         let answer = push_k / 3.0 * options.sharpness * wavelength_m / TAU * reach * reach;
         for (v, row) in laplacian.iter().enumerate() {
             for (n, &(i, a)) in row.iter().enumerate() {
@@ -262,7 +297,8 @@ impl<'a, 'b> Forces<'a, 'b> {
             let g = grown.faces[f].barycentric_gradients();
             for k in 0..3 {
                 for l in 0..=k {
-                    values[pattern.slot(face[k], face[l])] += smooth * surface.faces[f].area_m2 * g[k].dot(&g[l]);
+                    values[pattern.slot(face[k], face[l])] +=
+                        smooth * surface.faces[f].area_m2 * g[k].dot(&g[l]);
                 }
             }
         }
@@ -271,7 +307,11 @@ impl<'a, 'b> Forces<'a, 'b> {
         }
         let offset = factorised(pattern, &values, &frozen)?;
         let push = (0..start.len())
-            .map(|v| growing.maps.bias[v] + options.imperfection * roughness(&growing.places[v], 0.5 * wavelength_m, options.seed))
+            .map(|v| {
+                growing.maps.bias[v]
+                    + options.imperfection
+                        * roughness(&growing.places[v], 0.5 * wavelength_m, options.seed)
+            })
             .collect();
         let mut forces = Self {
             growing,
@@ -295,7 +335,11 @@ impl<'a, 'b> Forces<'a, 'b> {
 
     /// `[V]` κ = −N·Δx (1/m).
     fn curvature(&self, pose: &[Vec3], normals: &[Vec3]) -> Vec<f64> {
-        self.laplacian.iter().zip(normals).map(|(row, n)| n.dot(&row.iter().map(|&(v, c)| pose[v] * c).sum::<Vec3>())).collect()
+        self.laplacian
+            .iter()
+            .zip(normals)
+            .map(|(row, n)| n.dot(&row.iter().map(|&(v, c)| pose[v] * c).sum::<Vec3>()))
+            .collect()
     }
 
     /// `[V]` κ* = κ + L(κ) (1/m).
@@ -312,10 +356,16 @@ impl<'a, 'b> Forces<'a, 'b> {
     /// One step of time; returns the largest force per area, over k_p.
     fn step(&mut self, pose: &mut [Vec3]) -> Result<f64> {
         let topology: &Topology = self.growing.topology;
-        let normals = vertex_normals(topology, pose)
-            .map_err(|_| Error::numeric("grow", "the reference mode diverged; take smaller time steps, more levels, or the other mode"))?;
+        let normals = vertex_normals(topology, pose).map_err(|_| {
+            Error::numeric(
+                "grow",
+                "the reference mode diverged; take smaller time \
+                steps, more levels, or the other mode",
+            )
+        })?;
         let n = pose.len();
-        let (mut stretch, mut asked, mut there) = (vec![Vec3::zeros(); n], vec![0.0; n], vec![0.0; n]);
+        let (mut stretch, mut asked, mut there) =
+            (vec![Vec3::zeros(); n], vec![0.0; n], vec![0.0; n]);
         for (f, face) in topology.faces.iter().enumerate() {
             let corners = face.map(|v| pose[v]);
             let slope = self.membranes[f].gradient(&corners);
@@ -334,13 +384,15 @@ impl<'a, 'b> Forces<'a, 'b> {
         for v in 0..n {
             // Where it is pulled nothing folds; the paper's sign would make short waves grow there.
             let compression = ((asked[v] - there[v]) / asked[v]).max(0.0);
-            let steep = self.options.sharpness * self.wavelength_m / TAU * (smoothed[v] - self.start_curvature[v][1]);
+            let steep = self.options.sharpness * self.wavelength_m / TAU
+                * (smoothed[v] - self.start_curvature[v][1]);
             let folding = push_k * (steep.tanh() + self.push[v]) * compression;
             let bending = -smooth * (curvature[v] - self.start_curvature[v][0]);
             let lift = normals[v].dot(&stretch[v]);
             stretch[v] -= normals[v] * lift;
             let frozen = self.growing.maps.frozen[v];
-            offset[v] = if frozen == [true; 3] { 0.0 } else { (folding + bending) * self.area_m2[v] };
+            offset[v] =
+                if frozen == [true; 3] { 0.0 } else { (folding + bending) * self.area_m2[v] };
             for axis in 0..3 {
                 if frozen[axis] {
                     stretch[v][axis] = 0.0;
@@ -364,7 +416,11 @@ impl<'a, 'b> Forces<'a, 'b> {
             }
         }
         if pose.iter().any(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(Error::numeric("grow", "the reference mode diverged; take smaller time steps, more levels, or the other mode"));
+            return Err(Error::numeric(
+                "grow",
+                "the reference mode diverged; take smaller time steps, more levels, or the other \
+                 mode",
+            ));
         }
         Ok(worst)
     }
@@ -377,7 +433,10 @@ fn factorised(pattern: SymmetricPattern, values: &[f64], fixed: &[bool]) -> Resu
     if cholesky.factorise(&values) {
         return Ok(cholesky);
     }
-    Err(Error::numeric("grow", "a matrix of the reference mode is not positive definite; give the mesh better triangles"))
+    Err(Error::numeric(
+        "grow",
+        "a matrix of the reference mode is not positive definite; give the mesh better triangles",
+    ))
 }
 
 /// Area times ∇φₖ·(ν_u·uuᵗ + ν_c·ccᵗ)·∇φₗ on face `f` of the starting surface, u along the growth.
@@ -398,7 +457,9 @@ fn kernel(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> [[f64; 3]; 3
         form += (u * u.transpose() * wave.powi(2) + c * c.transpose() * coherence.powi(2)) / 3.0;
     }
     let g = surface.faces[f].barycentric_gradients();
-    std::array::from_fn(|k| std::array::from_fn(|l| surface.faces[f].area_m2 * g[k].dot(&(form * g[l]))))
+    std::array::from_fn(|k| {
+        std::array::from_fn(|l| surface.faces[f].area_m2 * g[k].dot(&(form * g[l])))
+    })
 }
 
 #[cfg(test)]
@@ -409,16 +470,22 @@ mod tests {
     use crate::progress::Silent;
 
     fn square(columns: usize, rows: usize) -> (Topology, RestMetric, Vec<Vec3>) {
-        let panel = grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
+        let panel =
+            grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("square", start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape("square", &start, &topology.faces).unwrap();
         (topology, rest, start)
     }
 
-    fn growing<'a>((topology, rest, start): &'a (Topology, RestMetric, Vec<Vec3>), growth: f64) -> Growing<'a> {
+    fn growing<'a>(
+        (topology, rest, start): &'a (Topology, RestMetric, Vec<Vec3>),
+        growth: f64,
+    ) -> Growing<'a> {
         let n = start.len();
-        let expansion = Expansion::from_directions(topology, start, &vec![Vec3::x(); n], &vec![growth; n]).unwrap();
+        let expansion =
+            Expansion::from_directions(topology, start, &vec![Vec3::x(); n], &vec![growth; n])
+                .unwrap();
         let mut growing = Growing::new(topology, rest, start, expansion, 0.25, 0.25);
         let boundary = topology.boundary_vertices();
         growing.freeze(|v, _| boundary[v]);
@@ -432,17 +499,31 @@ mod tests {
         let options = ReferenceOptions::default();
         let forces = Forces::new(&growing, &options, &square.1, 0.25).unwrap();
         let wave = |waves: f64, p: &Vec3| 1e-4 * (TAU * waves * p.x).sin();
-        let middle = square.2.iter().enumerate().filter(|(_, p)| (*p - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.3);
+        let middle = square
+            .2
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| (*p - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.3);
         let middle: Vec<usize> = middle.map(|(v, _)| v).collect();
         for (waves, sign) in [(2.0, 1.0), (4.0, 0.0), (8.0, -1.0)] {
             let pose: Vec<Vec3> = square.2.iter().map(|p| p + Vec3::z() * wave(waves, p)).collect();
             let curvature = forces.curvature(&pose, &vec![Vec3::z(); pose.len()]);
             let smoothed = forces.smoothed(&curvature);
             for &v in &middle {
-                let (exact, share) = ((TAU * waves).powi(2) * wave(waves, &square.2[v]), 1.0 - (waves / 4.0_f64).powi(2));
+                let (exact, share) = (
+                    (TAU * waves).powi(2) * wave(waves, &square.2[v]),
+                    1.0 - (waves / 4.0_f64).powi(2),
+                );
                 let size = 1e-4 * (TAU * waves).powi(2);
-                assert!((curvature[v] - exact).abs() < 0.05 * size, "{waves}: {} {exact}", curvature[v]);
-                assert!((smoothed[v] - share * exact).abs() < 0.1 * size * share.abs().max(1.0), "{waves} {sign}");
+                assert!(
+                    (curvature[v] - exact).abs() < 0.05 * size,
+                    "{waves}: {} {exact}",
+                    curvature[v]
+                );
+                assert!(
+                    (smoothed[v] - share * exact).abs() < 0.1 * size * share.abs().max(1.0),
+                    "{waves} {sign}"
+                );
             }
         }
     }
@@ -452,7 +533,9 @@ mod tests {
         let square = square(32, 8);
         let options = ReferenceOptions { levels: 2, ..ReferenceOptions::default() };
         let (flat, report) = grow_by_forces(&growing(&square, 1.0), &options, &Silent).unwrap();
-        assert!(report.converged && flat.iter().zip(&square.2).all(|(p, q)| (p - q).norm() < 1e-12));
+        assert!(
+            report.converged && flat.iter().zip(&square.2).all(|(p, q)| (p - q).norm() < 1e-12)
+        );
         let (folded, _) = grow_by_forces(&growing(&square, 1.1), &options, &Silent).unwrap();
         assert!(folded.iter().any(|p| p.z.abs() > 0.01));
     }

@@ -1,8 +1,10 @@
-//! A folder for the outputs of one run: files are written aside and renamed together at the end, so that nothing half-written
-//! ever appears under its own name, and the outputs of an earlier run stay until new ones are complete.
+//! A folder for the outputs of one run: files are written aside and renamed together at the end, so
+//! that nothing half-written ever appears under its own name, and the outputs of an earlier run
+//! stay until new ones are complete.
 //!
-//! A file `name` waits as `.name.<process>.part`. Limits: the renames follow each other at once but are not one step for the
-//! operating system; one process should have one [`OutputFolder`] for a folder at a time.
+//! A file `name` waits as `.name.<process>.part`. Limits: the renames follow each other at once but
+//! are not one step for the operating system; one process should have one [`OutputFolder`] for a
+//! folder at a time.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -10,7 +12,8 @@ use std::path::{Path, PathBuf};
 
 use crate::{Error, Result};
 
-/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped before, nothing has changed.
+/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped
+/// before, nothing has changed.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -23,7 +26,8 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder `path` if it is missing, with its parents, and proves that files can be written in it, by doing so.
+    /// Makes the folder `path` if it is missing, with its parents, and proves that files can be
+    /// written in it, by doing so.
     ///
     /// # Errors
     /// [`Error::File`] if that cannot be done.
@@ -32,7 +36,8 @@ impl OutputFolder {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(is_missing).map(Path::to_path_buf).collect();
-        let folder = Self { path: path.to_path_buf(), waiting: Vec::new(), leaving: Vec::new(), made };
+        let folder =
+            Self { path: path.to_path_buf(), waiting: Vec::new(), leaving: Vec::new(), made };
         let trial = folder.part("trial");
         let attempt = fs::create_dir_all(path).and_then(|()| {
             new_file(&trial)?.write_all(b"trial")?;
@@ -45,13 +50,19 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// Writes a file that will be called `name`, by calling `write` with a buffered writer. A file of that name that waits
-    /// already is replaced; parts of that name left by runs that have died are removed.
+    /// Writes a file that will be called `name`, by calling `write` with a buffered writer. A file
+    /// of that name that waits already is replaced; parts of that name left by runs that have died
+    /// are removed.
     ///
     /// # Errors
     /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with [`io::ErrorKind::InvalidData`] (what was to
-    /// be written is at fault, not the disk); else [`Error::File`]. The file does not wait then; others still do.
-    pub fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    /// be written is at fault, not the disk); else [`Error::File`]. The file does not wait then;
+    /// others still do.
+    pub fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<()> {
         super::disk::check_name(name)?;
         self.waiting.retain(|n| n != name);
         let part = self.part(name);
@@ -64,7 +75,9 @@ impl OutputFolder {
             fs::remove_file(&part).ok();
             let path = self.path.join(name);
             return Err(match source.kind() {
-                io::ErrorKind::InvalidData => Error::value(path.display().to_string(), source.to_string()),
+                io::ErrorKind::InvalidData => {
+                    Error::value(path.display().to_string(), source.to_string())
+                }
                 _ => Error::writing(&path, source),
             });
         }
@@ -72,12 +85,14 @@ impl OutputFolder {
         Ok(())
     }
 
-    /// Has the file `name` of an earlier run taken away when the new files appear, so that it is not mistaken for one of them.
+    /// Has the file `name` of an earlier run taken away when the new files appear, so that it is
+    /// not mistaken for one of them.
     pub fn leave_out(&mut self, name: &str) {
         self.leaving.push(name.to_string());
     }
 
-    /// Lets all files appear under their names, in place of those that were there; returns their paths in the order of writing.
+    /// Lets all files appear under their names, in place of those that were there; returns their
+    /// paths in the order of writing.
     ///
     /// # Errors
     /// [`Error::File`] before anything is renamed if a folder has the name of a file or a part is gone; or if a rename fails.
@@ -141,11 +156,16 @@ fn new_file(path: &Path) -> io::Result<File> {
 
 /// The process number if `file` is a part of `name`.
 fn process_of(file: &str, name: &str) -> Option<u32> {
-    file.strip_prefix('.')?.strip_prefix(name)?.strip_prefix('.')?.strip_suffix(".part")?.parse().ok()
+    file.strip_prefix('.')?
+        .strip_prefix(name)?
+        .strip_prefix('.')?
+        .strip_suffix(".part")?
+        .parse()
+        .ok()
 }
 
-/// Whether the run that wrote a part has ended: its process is gone, or, where that cannot be seen, the part is a day old.
-/// (A run on another computer that shares the folder looks gone too.)
+/// Whether the run that wrote a part has ended: its process is gone, or, where that cannot be seen,
+/// the part is a day old. (A run on another computer that shares the folder looks gone too.)
 fn is_dead(process: u32, part: &fs::DirEntry) -> bool {
     let processes = Path::new("/proc");
     if processes.join("self").exists() {
@@ -164,7 +184,8 @@ mod tests {
 
     impl Place {
         fn new(test: &str) -> Self {
-            let path = std::env::temp_dir().join(format!("plisse-aside-{test}-{}", std::process::id()));
+            let path =
+                std::env::temp_dir().join(format!("plisse-aside-{test}-{}", std::process::id()));
             fs::remove_dir_all(&path).ok();
             fs::create_dir_all(&path).unwrap();
             Self(path)
@@ -172,8 +193,11 @@ mod tests {
 
         /// Names and contents of all files, hidden ones too.
         fn contents(&self) -> Vec<(String, String)> {
-            let entry = |e: fs::DirEntry| (e.file_name().into_string().unwrap(), fs::read_to_string(e.path()).unwrap());
-            let mut list: Vec<_> = fs::read_dir(&self.0).unwrap().map(|e| entry(e.unwrap())).collect();
+            let entry = |e: fs::DirEntry| {
+                (e.file_name().into_string().unwrap(), fs::read_to_string(e.path()).unwrap())
+            };
+            let mut list: Vec<_> =
+                fs::read_dir(&self.0).unwrap().map(|e| entry(e.unwrap())).collect();
             list.sort();
             list
         }
@@ -198,7 +222,8 @@ mod tests {
         folder.write("b.txt", |out| out.write_all(b"first")).unwrap();
         folder.write("a.txt", |out| out.write_all(b"new")).unwrap();
         folder.write("b.txt", |out| out.write_all(b"second")).unwrap();
-        let visible: Vec<_> = place.contents().into_iter().filter(|f| !f.0.starts_with('.')).collect();
+        let visible: Vec<_> =
+            place.contents().into_iter().filter(|f| !f.0.starts_with('.')).collect();
         assert_eq!(visible, files(&[("a.txt", "old")]));
         assert_eq!(folder.commit().unwrap(), [place.0.join("a.txt"), place.0.join("b.txt")]);
         assert_eq!(place.contents(), files(&[("a.txt", "new"), ("b.txt", "second")]));
@@ -215,8 +240,13 @@ mod tests {
             Err(io::ErrorKind::StorageFull.into())
         };
         let error = folder.write("b.txt", full).unwrap_err();
-        assert!(matches!(&error, Error::File { path, .. } if *path == place.0.join("b.txt")), "{error}");
-        let error = folder.write("c.txt", |_| Err(io::Error::new(io::ErrorKind::InvalidData, "no faces"))).unwrap_err();
+        assert!(
+            matches!(&error, Error::File { path, .. } if *path == place.0.join("b.txt")),
+            "{error}"
+        );
+        let error = folder
+            .write("c.txt", |_| Err(io::Error::new(io::ErrorKind::InvalidData, "no faces")))
+            .unwrap_err();
         assert!(matches!(&error, Error::Value { message, .. } if message == "no faces"), "{error}");
         assert_eq!(place.contents().len(), 2, "only a.txt and its part");
         drop(folder);
@@ -230,7 +260,10 @@ mod tests {
         drop(OutputFolder::create(&inner).unwrap());
         assert!(!place.0.join("x").exists());
         OutputFolder::create(&place.0.join("z")).unwrap().commit().unwrap();
-        assert!(place.0.join("z").exists(), "a run that ended well keeps its folder, even without files");
+        assert!(
+            place.0.join("z").exists(),
+            "a run that ended well keeps its folder, even without files"
+        );
         let mut folder = OutputFolder::create(&inner).unwrap();
         folder.write("a.txt", |out| out.write_all(b"new")).unwrap();
         folder.commit().unwrap();
@@ -266,15 +299,18 @@ mod tests {
         let place = Place::new("dead");
         // No process has the largest number; the parent of this one lives as long as it.
         let living = format!(".a.txt.{}.part", std::os::unix::process::parent_id());
-        let dead = [".a.txt.4294967295.part".to_string(), format!(".a.txt.{}.part", std::process::id())];
-        let others = [".b.txt.4294967295.part", ".a.txt.old.part", "a.txt.4294967295.part", living.as_str()];
+        let dead =
+            [".a.txt.4294967295.part".to_string(), format!(".a.txt.{}.part", std::process::id())];
+        let others =
+            [".b.txt.4294967295.part", ".a.txt.old.part", "a.txt.4294967295.part", living.as_str()];
         for name in dead.iter().map(String::as_str).chain(others) {
             fs::write(place.0.join(name), "left").unwrap();
         }
         let mut folder = OutputFolder::create(&place.0).unwrap();
         folder.write("a.txt", |out| out.write_all(b"new")).unwrap();
         folder.commit().unwrap();
-        let mut expected: Vec<_> = others.iter().map(|name| (name.to_string(), "left".to_string())).collect();
+        let mut expected: Vec<_> =
+            others.iter().map(|name| (name.to_string(), "left".to_string())).collect();
         expected.push(("a.txt".into(), "new".into()));
         expected.sort();
         assert_eq!(place.contents(), expected);

@@ -1,4 +1,5 @@
-//! A folder for the outputs of one run where files are in memory: they appear together at the end, or not at all.
+//! A folder for the outputs of one run where files are in memory: they appear together at the end,
+//! or not at all.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -6,7 +7,8 @@ use std::path::{Path, PathBuf};
 use super::disk;
 use crate::{Error, Result};
 
-/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped before, nothing has changed.
+/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped
+/// before, nothing has changed.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
@@ -30,14 +32,20 @@ impl OutputFolder {
     ///
     /// # Errors
     /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with [`io::ErrorKind::InvalidData`]; else [`Error::File`].
-    pub fn write(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    pub fn write(
+        &mut self,
+        name: &str,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<()> {
         disk::check_name(name)?;
         self.waiting.retain(|(n, _)| n != name);
         let mut bytes = Vec::new();
         write(&mut bytes).map_err(|source| {
             let path = self.path.join(name);
             match source.kind() {
-                io::ErrorKind::InvalidData => Error::value(path.display().to_string(), source.to_string()),
+                io::ErrorKind::InvalidData => {
+                    Error::value(path.display().to_string(), source.to_string())
+                }
                 _ => Error::writing(&path, source),
             }
         })?;
@@ -56,7 +64,8 @@ impl OutputFolder {
     /// [`Error::File`] if a folder has the name of a file.
     pub fn commit(self) -> Result<Vec<PathBuf>> {
         let mut store = disk::store();
-        let paths: Vec<PathBuf> = self.waiting.iter().map(|(name, _)| self.path.join(name)).collect();
+        let paths: Vec<PathBuf> =
+            self.waiting.iter().map(|(name, _)| self.path.join(name)).collect();
         if let Some(path) = paths.iter().find(|path| !store.list(path).is_empty()) {
             return Err(Error::writing(path, io::ErrorKind::IsADirectory.into()));
         }
@@ -84,15 +93,23 @@ mod tests {
             folder.leave_out("never-there.txt");
             folder.write("a.txt", |out| out.write_all(b"first")).unwrap();
             folder.write("a.txt", |out| out.write_all(b"second")).unwrap();
-            let error = folder.write("b.txt", |_| Err(io::Error::new(io::ErrorKind::InvalidData, "no faces"))).unwrap_err();
-            assert!(matches!(&error, Error::Value { message, .. } if message == "no faces"), "{error}");
+            let error = folder
+                .write("b.txt", |_| Err(io::Error::new(io::ErrorKind::InvalidData, "no faces")))
+                .unwrap_err();
+            assert!(
+                matches!(&error, Error::Value { message, .. } if message == "no faces"),
+                "{error}"
+            );
             assert!(folder.write("../c.txt", |_| Ok(())).is_err());
             assert_eq!((file("a.txt"), file("old.txt")), (None, Some(b"old".to_vec())));
             if commit {
                 assert_eq!(folder.commit().unwrap(), [place.join("a.txt")]);
             }
         }
-        assert_eq!((file("a.txt"), file("old.txt"), file("b.txt")), (Some(b"second".to_vec()), None, None));
+        assert_eq!(
+            (file("a.txt"), file("old.txt"), file("b.txt")),
+            (Some(b"second".to_vec()), None, None)
+        );
         assert!(OutputFolder::create(&place.join("a.txt")).is_err(), "a file is no folder");
         let mut above = OutputFolder::create(Path::new("")).unwrap();
         above.write("aside-in-memory", |_| Ok(())).unwrap();

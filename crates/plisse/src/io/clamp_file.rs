@@ -1,22 +1,25 @@
 //! Lists of clamped vertices: plain ones, and those published with the code of [Chen 2021].
 //!
-//! A plain list has one vertex (from 0) per line; blank lines and what follows a `#` are comments. A published list has a line
-//! `vertex x y z` per clamped vertex, where a coordinate may be `#` for an axis that is left free; before these the number of such
-//! lines, then a `#` line. Read are the vertices only: positions and free axes are those of the published base solve.
+//! A plain list has one vertex (from 0) per line; blank lines and what follows a `#` are comments.
+//! A published list has a line `vertex x y z` per clamped vertex, where a coordinate may be `#` for
+//! an axis that is left free; before these the number of such lines, then a `#` line. Read are the
+//! vertices only: positions and free axes are those of the published base solve.
 
 use std::path::Path;
 
 use crate::{Error, Result};
 
-/// The vertices listed in the file at `path` (either kind), ascending, each once; all are below `vertex_count`.
+/// The vertices listed in the file at `path` (either kind), ascending, each once; all are below
+/// `vertex_count`.
 ///
-/// The file is taken as a published list if any line looks like `vertex x y z`. Its vertices count as listed even if all
-/// their axes are free.
+/// The file is taken as a published list if any line looks like `vertex x y z`. Its vertices count
+/// as listed even if all their axes are free.
 ///
 /// # Errors
 /// [`Error::File`] if the file cannot be read; [`Error::Parse`] with the line for: no vertex at all, something that is not a
-/// vertex index, an index that is not below `vertex_count`, a wrong number of columns, a coordinate that is neither a finite
-/// number nor `#`, and a published list whose first line does not say how many follow.
+/// vertex index, an index that is not below `vertex_count`, a wrong number of columns, a coordinate
+/// that is neither a finite number nor `#`, and a published list whose first line does not say how
+/// many follow.
 pub fn read_clamped_vertices(path: &Path, vertex_count: usize) -> Result<Vec<usize>> {
     let text = super::disk::read_text(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text, vertex_count)
@@ -27,18 +30,42 @@ type Line<'a> = (usize, Vec<&'a str>);
 
 fn parse(path: &Path, text: &str, vertex_count: usize) -> Result<Vec<usize>> {
     let words = |line| str::split_ascii_whitespace(line).collect();
-    let lines: Vec<Line<'_>> = text.trim_start_matches('\u{feff}').lines().map(words).zip(1..).map(|(w, n)| (n, w)).collect();
-    let lines: Vec<Line<'_>> = lines.into_iter().filter(|(_, w): &Line<'_>| w.first().is_some_and(|w| !w.starts_with('#'))).collect();
+    let lines: Vec<Line<'_>> = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .map(words)
+        .zip(1..)
+        .map(|(w, n)| (n, w))
+        .collect();
+    let lines: Vec<Line<'_>> = lines
+        .into_iter()
+        .filter(|(_, w): &Line<'_>| w.first().is_some_and(|w| !w.starts_with('#')))
+        .collect();
     let Some(last) = lines.last() else {
-        return Err(Error::parse(path, 1, "the file names no vertex; give one vertex index (from 0) per line"));
+        return Err(Error::parse(
+            path,
+            1,
+            "the file names no vertex; give one vertex index (from 0) per line",
+        ));
     };
-    let published =
-        lines.iter().any(|(_, words)| words.len() == 4 && words[0].parse::<usize>().is_ok() && words[1..].iter().all(is_coordinate));
+    let published = lines.iter().any(|(_, words)| {
+        words.len() == 4
+            && words[0].parse::<usize>().is_ok()
+            && words[1..].iter().all(is_coordinate)
+    });
     let vertex = |line: usize, word: &str| -> Result<usize> {
-        let v: usize =
-            word.parse().map_err(|_| Error::parse(path, line, format!("'{word}' is not a vertex index; count vertices from 0")))?;
+        let v: usize = word.parse().map_err(|_| {
+            Error::parse(
+                path,
+                line,
+                format!("'{word}' is not a vertex index; count vertices from 0"),
+            )
+        })?;
         if v >= vertex_count {
-            let message = format!("vertex {v} is clamped, but the mesh has only {vertex_count} vertices (from 0); correct the index");
+            let message = format!(
+                "vertex {v} is clamped, but the mesh has only {vertex_count} vertices (from 0); \
+                 correct the index"
+            );
             return Err(Error::parse(path, line, message));
         }
         Ok(v)
@@ -48,24 +75,38 @@ fn parse(path: &Path, text: &str, vertex_count: usize) -> Result<Vec<usize>> {
         let counted = lines[0].1.len() == 1;
         for (line, words) in &lines[usize::from(counted)..] {
             if words.len() != 4 {
-                let message = format!("this line has {} column(s); give four (vertex x y z, with # for a free axis)", words.len());
+                let message = format!(
+                    "this line has {} column(s); give four (vertex x y z, with # for a free axis)",
+                    words.len()
+                );
                 return Err(Error::parse(path, *line, message));
             }
             if let Some(word) = words[1..].iter().find(|w| !is_coordinate(w)) {
-                return Err(Error::parse(path, *line, format!("'{word}' is no coordinate; give a number, or # for a free axis")));
+                return Err(Error::parse(
+                    path,
+                    *line,
+                    format!("'{word}' is no coordinate; give a number, or # for a free axis"),
+                ));
             }
             vertices.push(vertex(*line, words[0])?);
         }
         if counted && lines[0].1[0].parse() != Ok(vertices.len()) {
             let (line, said, found) = (lines[0].0, lines[0].1[0], vertices.len());
-            let message = format!("the first line says '{said}', but {found} clamped vertices follow up to line {}; correct it", last.0);
+            let message = format!(
+                "the first line says '{said}', but {found} clamped vertices follow up to line {}; \
+                 correct it",
+                last.0
+            );
             return Err(Error::parse(path, line, message));
         }
     } else {
         for (line, words) in &lines {
             let columns = words.iter().take_while(|w| !w.starts_with('#')).count();
             if columns != 1 {
-                let message = format!("this line has {columns} column(s); give one vertex index per line, or four columns (vertex x y z)");
+                let message = format!(
+                    "this line has {columns} column(s); give one vertex index per line, or four \
+                     columns (vertex x y z)"
+                );
                 return Err(Error::parse(path, *line, message));
             }
             vertices.push(vertex(*line, words[0].split('#').next().unwrap_or_default())?);
@@ -112,14 +153,23 @@ mod tests {
         assert!(message("# only\n\n#this\n").contains("names no vertex"));
         assert!(message("1\n\nx\n").contains("line 3: 'x' is not a vertex index"));
         assert!(message("1\n-2\n").contains("line 2: '-2' is not a vertex index"));
-        assert!(message("1\n50\n").contains("line 2: vertex 50 is clamped, but the mesh has only 50 vertices"));
+        assert!(
+            message("1\n50\n")
+                .contains("line 2: vertex 50 is clamped, but the mesh has only 50 vertices")
+        );
         assert!(message("1\n2 3\n").contains("line 2: this line has 2 column(s)"));
-        assert!(message("2\n#\n1 0 0 0\n2 0 0\n").contains("line 4: this line has 3 column(s); give four"));
+        assert!(
+            message("2\n#\n1 0 0 0\n2 0 0\n")
+                .contains("line 4: this line has 3 column(s); give four")
+        );
         assert!(message("1 0 0 0\n2\n").contains("line 2: this line has 1 column(s); give four"));
         assert!(message("2\n#\n1 0 0 0\n2 0 nan 0\n").contains("line 4: 'nan' is no coordinate"));
         assert!(message("2\n#\n1 0 0 0\nx 0 0 0\n").contains("line 4: 'x' is not a vertex index"));
         assert!(message("2\n#\n1 0 0 0\n50 0 0 0\n").contains("line 4: vertex 50 is clamped"));
-        assert!(message("# counted\n3\n#\n1 0 0 0\n2 0 0 0\n").contains("line 2: the first line says '3', but 2 clamped vertices follow"));
+        assert!(
+            message("# counted\n3\n#\n1 0 0 0\n2 0 0 0\n")
+                .contains("line 2: the first line says '3', but 2 clamped vertices follow")
+        );
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Where files are: on the disk, or in a web page, which has none, in a [`Store`]. All that is read by path is read here.
+//! Where files are: on the disk, or in a web page, which has none, in a [`Store`]. All that is read
+//! by path is read here.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -32,7 +33,9 @@ pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
 /// Those of the system; [`io::ErrorKind::InvalidData`] if it is not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
     let text = String::from_utf8(read(path)?);
-    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    text.map_err(|_| {
+        io::Error::new(io::ErrorKind::InvalidData, "stream did not contain valid UTF-8")
+    })
 }
 
 /// Whether there is a file (not a folder) of that name.
@@ -62,12 +65,18 @@ pub fn list(folder: &Path) -> io::Result<Vec<(String, bool)>> {
         return Ok(store().list(folder));
     }
     let entries = std::fs::read_dir(folder)?.flatten();
-    Ok(entries.map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir())).collect())
+    Ok(entries
+        .map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()))
+        .collect())
 }
 
 /// The whole of a path, from the root.
 pub fn whole(path: &Path) -> PathBuf {
-    if IN_MEMORY { Path::new("/").join(path) } else { std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()) }
+    if IN_MEMORY {
+        Path::new("/").join(path)
+    } else {
+        std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
+    }
 }
 
 /// Whether `name` can be that of an output.
@@ -76,7 +85,10 @@ pub fn whole(path: &Path) -> PathBuf {
 /// [`Error::Value`] if it is not a plain file name.
 pub(super) fn check_name(name: &str) -> Result<()> {
     if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\', '\0']) {
-        return Err(Error::value("output name", format!("'{name}' is not a plain file name; give one without folders or leading dot")));
+        return Err(Error::value(
+            "output name",
+            format!("'{name}' is not a plain file name; give one without folders or leading dot"),
+        ));
     }
     Ok(())
 }

@@ -1,7 +1,9 @@
-//! Binary glTF 2.0: one triangle mesh with one plain material, for viewers, game engines and modelling programs.
+//! Binary glTF 2.0: one triangle mesh with one plain material, for viewers, game engines and
+//! modelling programs.
 //!
-//! Writing only, all in one file. glTF stores single precision: a mesh far from the origin loses detail (at 1 km a step is
-//! 0.06 mm), so move it near the origin first where that matters; nothing is moved here.
+//! Writing only, all in one file. glTF stores single precision: a mesh far from the origin loses
+//! detail (at 1 km a step is 0.06 mm), so move it near the origin first where that matters; nothing
+//! is moved here.
 
 use std::io::{self, Write};
 
@@ -14,7 +16,8 @@ use crate::mesh::{Vec2, Vec3};
 pub enum UpAxis {
     /// y is up, as in glTF: the node has no rotation.
     Y,
-    /// z is up, as in scene files: positions and normals are stored as they are, and the node turns them by −90° about x.
+    /// z is up, as in scene files: positions and normals are stored as they are, and the node turns
+    /// them by −90° about x.
     #[default]
     Z,
 }
@@ -28,21 +31,27 @@ pub struct Mesh<'a> {
     pub normals: &'a [Vec3],
     /// `[F][3]` vertices of each face, counter-clockwise seen from outside.
     pub faces: &'a [[usize; 3]],
-    /// `[T]` texture coordinates with v up (stored with v down, as glTF has it), and `[F][3]` which of them each corner has.
-    /// Vertices are doubled where their corners differ.
+    /// `[T]` texture coordinates with v up (stored with v down, as glTF has it), and `[F][3]` which
+    /// of them each corner has. Vertices are doubled where their corners differ.
     pub texture: Option<(&'a [Vec2], &'a [[usize; 3]])>,
 }
 
-/// Writes `mesh` as binary glTF, with a double-sided material of roughness 0.6, not metallic, in `base_colour`
-/// (linear red, green, blue, opacity, each 0..1).
+/// Writes `mesh` as binary glTF, with a double-sided material of roughness 0.6, not metallic, in
+/// `base_colour` (linear red, green, blue, opacity, each 0..1).
 ///
-/// Without texture coordinates the vertices keep their numbers. With them they are numbered anew: by vertex, then by texture
-/// coordinate; those on no face are left out.
+/// Without texture coordinates the vertices keep their numbers. With them they are numbered anew:
+/// by vertex, then by texture coordinate; those on no face are left out.
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidData`] for a mesh without faces, lists whose lengths do not match, indices out of
-/// range, numbers that are not finite in single precision, a colour outside 0..1, and files beyond the format's 4 GiB.
-pub fn write<W: Write + ?Sized>(out: &mut W, mesh: &Mesh<'_>, base_colour: [f32; 4], up: UpAxis) -> io::Result<()> {
+/// What `out` says; [`io::ErrorKind::InvalidData`] for a mesh without faces, lists whose lengths do
+/// not match, indices out of range, numbers that are not finite in single precision, a colour
+/// outside 0..1, and files beyond the format's 4 GiB.
+pub fn write<W: Write + ?Sized>(
+    out: &mut W,
+    mesh: &Mesh<'_>,
+    base_colour: [f32; 4],
+    up: UpAxis,
+) -> io::Result<()> {
     check(mesh, base_colour)?;
     let split = mesh.texture.map(|(_, texture_faces)| split(mesh.faces, texture_faces));
     let vertex_count = split.as_ref().map_or(mesh.positions.len(), |s| s.vertices.len());
@@ -52,7 +61,9 @@ pub fn write<W: Write + ?Sized>(out: &mut W, mesh: &Mesh<'_>, base_colour: [f32;
     let mut bytes: Vec<u8> = Vec::new();
     let mut views: Vec<Value> = Vec::new();
     let mut end_view = |bytes: &[u8], target: u32| {
-        let offset = views.last().map_or(0, |v| v["byteOffset"].as_u64().unwrap_or(0) + v["byteLength"].as_u64().unwrap_or(0));
+        let offset = views.last().map_or(0, |v| {
+            v["byteOffset"].as_u64().unwrap_or(0) + v["byteLength"].as_u64().unwrap_or(0)
+        });
         views.push(json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len() as u64 - offset, "target": target}));
     };
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
@@ -67,7 +78,10 @@ pub fn write<W: Write + ?Sized>(out: &mut W, mesh: &Mesh<'_>, base_colour: [f32;
     for i in 0..vertex_count {
         // Divided by its largest entry first, so that no length over- or underflows.
         let n = mesh.normals[original(i)];
-        let n = (n / n.amax()).try_normalize(0.0).filter(|n| n.iter().all(|x| x.is_finite())).unwrap_or_else(Vec3::z);
+        let n = (n / n.amax())
+            .try_normalize(0.0)
+            .filter(|n| n.iter().all(|x| x.is_finite()))
+            .unwrap_or_else(Vec3::z);
         bytes.extend(single(&n).into_iter().flat_map(f32::to_le_bytes));
     }
     end_view(&bytes, ARRAY_BUFFER);
@@ -114,8 +128,12 @@ pub fn write<W: Write + ?Sized>(out: &mut W, mesh: &Mesh<'_>, base_colour: [f32;
     let mut document = serde_json::to_vec(&document)?;
     document.resize(document.len().next_multiple_of(4), b' ');
 
-    // A file header and two chunk headers; every list in `bytes` is made of 4-byte numbers, so it needs no padding.
-    let length = |n: usize| u32::try_from(n).map_err(|_| invalid("the mesh is too large for the format's 4 GiB; split it".into()));
+    // A file header and two chunk headers; every list in `bytes` is made of 4-byte numbers, so it
+    // needs no padding.
+    let length = |n: usize| {
+        u32::try_from(n)
+            .map_err(|_| invalid("the mesh is too large for the format's 4 GiB; split it".into()))
+    };
     let total = length(12 + 8 + document.len() + 8 + bytes.len())?;
     out.write_all(b"glTF")?;
     for number in [2, total, length(document.len())?] {
@@ -148,13 +166,20 @@ fn check(mesh: &Mesh<'_>, base_colour: [f32; 4]) -> io::Result<()> {
         return Err(invalid("the mesh has no faces".into()));
     }
     if mesh.normals.len() != v {
-        return Err(invalid(format!("{} normals for {v} vertices; give one for each", mesh.normals.len())));
+        return Err(invalid(format!(
+            "{} normals for {v} vertices; give one for each",
+            mesh.normals.len()
+        )));
     }
     if v >= u32::MAX as usize {
-        return Err(invalid(format!("{v} vertices are beyond the format's integers; split the mesh")));
+        return Err(invalid(format!(
+            "{v} vertices are beyond the format's integers; split the mesh"
+        )));
     }
     if let Some(i) = mesh.positions.iter().position(|p| !single(p).iter().all(|x| x.is_finite())) {
-        return Err(invalid(format!("the position of vertex {i} is not finite in single precision")));
+        return Err(invalid(format!(
+            "the position of vertex {i} is not finite in single precision"
+        )));
     }
     if let Some(i) = mesh.faces.iter().position(|face| face.iter().any(|&i| i >= v)) {
         return Err(invalid(format!("face {i} names a vertex beyond the {v} there are")));
@@ -165,13 +190,22 @@ fn check(mesh: &Mesh<'_>, base_colour: [f32; 4]) -> io::Result<()> {
     if let Some((coordinates, texture_faces)) = mesh.texture {
         let t = coordinates.len();
         if texture_faces.len() != f {
-            return Err(invalid(format!("{} texture faces for {f} faces; give one for each", texture_faces.len())));
+            return Err(invalid(format!(
+                "{} texture faces for {f} faces; give one for each",
+                texture_faces.len()
+            )));
         }
-        if let Some(i) = coordinates.iter().position(|c| !((c.x as f32).is_finite() && (c.y as f32).is_finite())) {
-            return Err(invalid(format!("texture coordinate {i} is not finite in single precision")));
+        if let Some(i) =
+            coordinates.iter().position(|c| !((c.x as f32).is_finite() && (c.y as f32).is_finite()))
+        {
+            return Err(invalid(format!(
+                "texture coordinate {i} is not finite in single precision"
+            )));
         }
         if let Some(i) = texture_faces.iter().position(|face| face.iter().any(|&i| i >= t)) {
-            return Err(invalid(format!("face {i} names a texture coordinate beyond the {t} there are")));
+            return Err(invalid(format!(
+                "face {i} names a texture coordinate beyond the {t} there are"
+            )));
         }
     }
     Ok(())
@@ -186,7 +220,8 @@ struct Split {
 }
 
 fn split(faces: &[[usize; 3]], texture_faces: &[[usize; 3]]) -> Split {
-    let corners = || faces.iter().flatten().zip(texture_faces.iter().flatten()).map(|(&v, &t)| [v, t]);
+    let corners =
+        || faces.iter().flatten().zip(texture_faces.iter().flatten()).map(|(&v, &t)| [v, t]);
     let mut vertices: Vec<[usize; 2]> = corners().collect();
     vertices.sort_unstable();
     vertices.dedup();
@@ -210,15 +245,23 @@ mod tests {
 
     impl Parts {
         fn of(glb: &[u8]) -> Self {
-            let number = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+            let number =
+                |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
             assert_eq!((&glb[..4], number(4), number(8)), (&b"glTF"[..], 2, glb.len()));
             let bin = 20 + number(12);
             assert_eq!((&glb[16..20], number(12) % 4), (&b"JSON"[..], 0));
-            assert_eq!((&glb[bin + 4..bin + 8], number(bin) % 4, number(bin)), (&b"BIN\0"[..], 0, glb.len() - bin - 8));
-            Self { json: serde_json::from_slice(&glb[20..bin]).unwrap(), bytes: glb[bin + 8..].to_vec() }
+            assert_eq!(
+                (&glb[bin + 4..bin + 8], number(bin) % 4, number(bin)),
+                (&b"BIN\0"[..], 0, glb.len() - bin - 8)
+            );
+            Self {
+                json: serde_json::from_slice(&glb[20..bin]).unwrap(),
+                bytes: glb[bin + 8..].to_vec(),
+            }
         }
 
-        /// The 4-byte numbers of accessor `a`, `n` for each element; the view must hold exactly those.
+        /// The 4-byte numbers of accessor `a`, `n` for each element; the view must hold exactly
+        /// those.
         fn numbers(&self, a: &Value, n: usize) -> Vec<[u8; 4]> {
             let accessor = &self.json["accessors"][a.as_u64().unwrap() as usize];
             let view = &self.json["bufferViews"][accessor["bufferView"].as_u64().unwrap() as usize];
@@ -226,12 +269,19 @@ mod tests {
             let (start, length) = (at(view, "byteOffset"), at(view, "byteLength"));
             assert_eq!((start % 4, length), (0, 4 * n * at(accessor, "count")));
             assert_eq!(self.json["buffers"][0]["byteLength"], self.bytes.len());
-            self.bytes[start..start + length].chunks_exact(4).map(|b| b.try_into().unwrap()).collect()
+            self.bytes[start..start + length]
+                .chunks_exact(4)
+                .map(|b| b.try_into().unwrap())
+                .collect()
         }
 
         fn attribute<const N: usize>(&self, name: &str) -> Vec<[f32; N]> {
-            let numbers = self.numbers(&self.json["meshes"][0]["primitives"][0]["attributes"][name], N);
-            numbers.chunks_exact(N).map(|c| std::array::from_fn(|k| f32::from_le_bytes(c[k]))).collect()
+            let numbers =
+                self.numbers(&self.json["meshes"][0]["primitives"][0]["attributes"][name], N);
+            numbers
+                .chunks_exact(N)
+                .map(|c| std::array::from_fn(|k| f32::from_le_bytes(c[k])))
+                .collect()
         }
 
         fn indices(&self) -> Vec<usize> {
@@ -241,8 +291,18 @@ mod tests {
     }
 
     fn square() -> (Vec<Vec3>, Vec<Vec3>, Vec<[usize; 3]>) {
-        let p = vec![Vec3::new(0.1, 0.0, -2.0), Vec3::new(1.0, 0.0, 0.0), Vec3::new(1.0, 1.5, 0.3), Vec3::new(0.0, 1.0, 0.0)];
-        let n = vec![Vec3::new(0.0, 0.0, 2.0), Vec3::new(3e-200, 0.0, 4e-200), Vec3::zeros(), Vec3::new(0.0, 1e200, 0.0)];
+        let p = vec![
+            Vec3::new(0.1, 0.0, -2.0),
+            Vec3::new(1.0, 0.0, 0.0),
+            Vec3::new(1.0, 1.5, 0.3),
+            Vec3::new(0.0, 1.0, 0.0),
+        ];
+        let n = vec![
+            Vec3::new(0.0, 0.0, 2.0),
+            Vec3::new(3e-200, 0.0, 4e-200),
+            Vec3::zeros(),
+            Vec3::new(0.0, 1e200, 0.0),
+        ];
         (p, n, vec![[0, 1, 2], [0, 2, 3]])
     }
 
@@ -255,43 +315,80 @@ mod tests {
     #[test]
     fn a_plain_mesh_keeps_its_vertices() {
         let (positions, normals, faces) = square();
-        let parts = written(&Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None }, UpAxis::Y);
-        assert_eq!(parts.attribute::<3>("POSITION"), positions.iter().map(single).collect::<Vec<_>>());
-        assert_eq!(parts.attribute::<3>("NORMAL"), [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]);
+        let parts = written(
+            &Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None },
+            UpAxis::Y,
+        );
+        assert_eq!(
+            parts.attribute::<3>("POSITION"),
+            positions.iter().map(single).collect::<Vec<_>>()
+        );
+        assert_eq!(
+            parts.attribute::<3>("NORMAL"),
+            [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]
+        );
         assert_eq!(parts.indices(), [0, 1, 2, 0, 2, 3]);
         let accessor = &parts.json["accessors"][0];
-        let bound = |key: &str| -> Vec<f32> { accessor[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap() as f32).collect() };
+        let bound = |key: &str| -> Vec<f32> {
+            accessor[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap() as f32).collect()
+        };
         assert_eq!((bound("min"), bound("max")), (vec![0.0, 0.0, -2.0], vec![1.0, 1.5, 0.3]));
         assert_eq!(parts.json["accessors"].as_array().unwrap().len(), 3);
         assert!(parts.json["asset"]["generator"].as_str().unwrap().starts_with("Plissé "));
         let material = &parts.json["materials"][0];
-        assert_eq!((&material["doubleSided"], &material["pbrMetallicRoughness"]["baseColorFactor"][2]), (&json!(true), &json!(0.25)));
+        assert_eq!(
+            (&material["doubleSided"], &material["pbrMetallicRoughness"]["baseColorFactor"][2]),
+            (&json!(true), &json!(0.25))
+        );
         assert_eq!(parts.json["nodes"][0]["rotation"], Value::Null);
     }
 
     #[test]
     fn the_node_turns_z_up_to_y_up() {
         let (positions, normals, faces) = square();
-        let parts = written(&Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None }, UpAxis::Z);
-        let q: Vec<f64> = parts.json["nodes"][0]["rotation"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
-        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(q[3], q[0], q[1], q[2]));
-        assert!((turn * Vec3::z() - Vec3::y()).norm() < 1e-6 && (turn * Vec3::x() - Vec3::x()).norm() < 1e-6);
+        let parts = written(
+            &Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None },
+            UpAxis::Z,
+        );
+        let q: Vec<f64> = parts.json["nodes"][0]["rotation"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|x| x.as_f64().unwrap())
+            .collect();
+        let turn = nalgebra::UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(
+            q[3], q[0], q[1], q[2],
+        ));
+        assert!(
+            (turn * Vec3::z() - Vec3::y()).norm() < 1e-6
+                && (turn * Vec3::x() - Vec3::x()).norm() < 1e-6
+        );
         assert_eq!(parts.attribute::<3>("POSITION")[0], single(&positions[0]));
     }
 
     #[test]
     fn seams_double_vertices_and_corners_keep_what_they_had() {
         let (positions, normals, faces) = square();
-        let coordinates = [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.25), Vec2::new(1.0, 1.0), Vec2::new(0.5, 0.0)];
+        let coordinates =
+            [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.25), Vec2::new(1.0, 1.0), Vec2::new(0.5, 0.0)];
         let texture_faces = [[0, 1, 2], [3, 2, 1]];
-        let mesh = Mesh { positions: &positions, normals: &normals, faces: &faces, texture: Some((&coordinates, &texture_faces)) };
+        let mesh = Mesh {
+            positions: &positions,
+            normals: &normals,
+            faces: &faces,
+            texture: Some((&coordinates, &texture_faces)),
+        };
         let parts = written(&mesh, UpAxis::Y);
-        let (p, uv, indices) = (parts.attribute::<3>("POSITION"), parts.attribute::<2>("TEXCOORD_0"), parts.indices());
+        let (p, uv, indices) =
+            (parts.attribute::<3>("POSITION"), parts.attribute::<2>("TEXCOORD_0"), parts.indices());
         // Only vertex 0 has two texture coordinates.
         assert_eq!((p.len(), uv.len(), parts.attribute::<3>("NORMAL").len()), (5, 5, 5));
         for (c, &i) in indices.iter().enumerate() {
             let t = coordinates[texture_faces[c / 3][c % 3]];
-            assert_eq!((p[i], uv[i]), (single(&positions[faces[c / 3][c % 3]]), [t.x as f32, 1.0 - t.y as f32]));
+            assert_eq!(
+                (p[i], uv[i]),
+                (single(&positions[faces[c / 3][c % 3]]), [t.x as f32, 1.0 - t.y as f32])
+            );
         }
     }
 
@@ -299,14 +396,30 @@ mod tests {
     fn unusable_meshes_are_told() {
         let (positions, normals, faces) = square();
         let good = Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None };
-        let message = |mesh: Mesh<'_>| write(&mut Vec::new(), &mesh, COLOUR, UpAxis::Y).unwrap_err().to_string();
+        let message = |mesh: Mesh<'_>| {
+            write(&mut Vec::new(), &mesh, COLOUR, UpAxis::Y).unwrap_err().to_string()
+        };
         assert!(message(Mesh { faces: &[], ..good }).contains("no faces"));
-        assert!(message(Mesh { faces: &[[0, 1, 4]], ..good }).contains("face 0 names a vertex beyond the 4"));
-        assert!(message(Mesh { normals: &normals[1..], ..good }).contains("3 normals for 4 vertices"));
-        assert!(message(Mesh { positions: &[Vec3::new(0.0, 1e39, 0.0); 4], ..good }).contains("vertex 0 is not finite"));
+        assert!(
+            message(Mesh { faces: &[[0, 1, 4]], ..good })
+                .contains("face 0 names a vertex beyond the 4")
+        );
+        assert!(
+            message(Mesh { normals: &normals[1..], ..good }).contains("3 normals for 4 vertices")
+        );
+        assert!(
+            message(Mesh { positions: &[Vec3::new(0.0, 1e39, 0.0); 4], ..good })
+                .contains("vertex 0 is not finite")
+        );
         let uv = [Vec2::zeros()];
-        assert!(message(Mesh { texture: Some((&uv, &[[0; 3]])), ..good }).contains("1 texture faces for 2 faces"));
-        assert!(message(Mesh { texture: Some((&uv, &[[0; 3], [0, 1, 0]])), ..good }).contains("face 1 names a texture coordinate"));
+        assert!(
+            message(Mesh { texture: Some((&uv, &[[0; 3]])), ..good })
+                .contains("1 texture faces for 2 faces")
+        );
+        assert!(
+            message(Mesh { texture: Some((&uv, &[[0; 3], [0, 1, 0]])), ..good })
+                .contains("face 1 names a texture coordinate")
+        );
         assert!(write(&mut Vec::new(), &good, [f32::NAN; 4], UpAxis::Y).is_err());
     }
 }

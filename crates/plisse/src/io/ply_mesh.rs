@@ -1,7 +1,7 @@
 //! PLY meshes read: triangles with named numbers per vertex, as painted in other programs.
 //!
-//! Text and both binary orders are read, any scalar type, faces of any size (cut into triangles). Elements other than vertices and
-//! faces are passed over.
+//! Text and both binary orders are read, any scalar type, faces of any size (cut into triangles).
+//! Elements other than vertices and faces are passed over.
 
 use std::path::Path;
 
@@ -19,9 +19,11 @@ pub struct PlyMesh {
     pub positions: Vec<Vec3>,
     /// `[F][3]` vertices of each triangle, as oriented in the file.
     pub faces: Vec<[usize; 3]>,
-    /// `[V]` texture coordinates (v up), if vertices have s and t, u and v, or texture_u and texture_v.
+    /// `[V]` texture coordinates (v up), if vertices have s and t, u and v, or texture_u and
+    /// texture_v.
     pub texture: Option<Vec<Vec2>>,
-    /// Every other property of vertices: its name and `[V]` its values; those of unsigned bytes are divided by 255.
+    /// Every other property of vertices: its name and `[V]` its values; those of unsigned bytes are
+    /// divided by 255.
     pub attributes: Vec<(String, Vec<f64>)>,
     /// How many faces had more than three corners.
     pub cut: usize,
@@ -40,7 +42,8 @@ pub fn read(path: &Path) -> Result<PlyMesh> {
 ///
 /// # Errors
 /// [`Error::Mesh`] with the file for: no PLY header, a type or format that there is not, a file that ends too early, vertices without
-/// x, y or z, a coordinate or value that is not finite, no face, a face with fewer than three corners or a vertex that there is not.
+/// x, y or z, a coordinate or value that is not finite, no face, a face with fewer than three
+/// corners or a vertex that there is not.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<PlyMesh> {
     mesh(bytes).map_err(|message| Error::mesh(path.display().to_string(), message))
 }
@@ -70,7 +73,11 @@ impl Kind {
             "uint" | "uint32" => Self::U32,
             "float" | "float32" => Self::F32,
             "double" | "float64" => Self::F64,
-            _ => return Err(format!("its header names the type '{word}', which PLY does not have; export it anew")),
+            _ => {
+                return Err(format!(
+                    "its header names the type '{word}', which PLY does not have; export it anew"
+                ));
+            }
         })
     }
 
@@ -174,12 +181,18 @@ fn mesh(bytes: &[u8]) -> Said<PlyMesh> {
         }
     }
     if polygons.is_empty() {
-        return Err("it has no faces (vertex_indices); export the mesh with its faces, not as points".to_owned());
+        return Err(
+            "it has no faces (vertex_indices); export the mesh with its faces, not as points"
+                .to_owned(),
+        );
     }
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for (f, polygon) in polygons.iter().enumerate() {
         if let Some(v) = polygon.iter().find(|&&v| v >= mesh.positions.len()) {
-            return Err(format!("face {f} names vertex {v}, but there are {}; export it anew", mesh.positions.len()));
+            return Err(format!(
+                "face {f} names vertex {v}, but there are {}; export it anew",
+                mesh.positions.len()
+            ));
         }
         if polygon.len() < 3 {
             return Err(format!("face {f} has {} corners; remove it", polygon.len()));
@@ -221,7 +234,10 @@ fn vertices(element: &Element, body: &mut Body<'_>, mesh: &mut PlyMesh) -> Said<
         for (column, property) in columns.iter_mut().zip(&element.properties) {
             let value = body.number(property.kind)?;
             if !value.is_finite() {
-                return Err(format!("'{}' of vertex {v} is not finite; repair the mesh where it was made", property.name));
+                return Err(format!(
+                    "'{}' of vertex {v} is not finite; repair the mesh where it was made",
+                    property.name
+                ));
             }
             column.push(if property.kind == Kind::U8 { value / 255.0 } else { value });
         }
@@ -231,25 +247,41 @@ fn vertices(element: &Element, body: &mut Body<'_>, mesh: &mut PlyMesh) -> Said<
         [Some(x), Some(y), Some(z)] => [x, y, z],
         _ => return Err("its vertices have no x, y and z; export it with positions".to_owned()),
     };
-    mesh.positions = (0..element.count).map(|v| Vec3::new(columns[x][v], columns[y][v], columns[z][v])).collect();
+    mesh.positions = (0..element.count)
+        .map(|v| Vec3::new(columns[x][v], columns[y][v], columns[z][v]))
+        .collect();
     let texture = TEXTURES.iter().find_map(|[s, t]| find(s).zip(find(t)));
-    mesh.texture = texture.map(|(s, t)| (0..element.count).map(|v| Vec2::new(columns[s][v], columns[t][v])).collect());
-    let used: Vec<usize> = [x, y, z].into_iter().chain(texture.into_iter().flat_map(|(s, t)| [s, t])).collect();
+    mesh.texture = texture.map(|(s, t)| {
+        (0..element.count).map(|v| Vec2::new(columns[s][v], columns[t][v])).collect()
+    });
+    let used: Vec<usize> =
+        [x, y, z].into_iter().chain(texture.into_iter().flat_map(|(s, t)| [s, t])).collect();
     let rest = columns.into_iter().enumerate().filter(|(p, _)| !used.contains(p));
-    mesh.attributes = rest.map(|(p, column)| (element.properties[p].name.clone(), column)).collect();
+    mesh.attributes =
+        rest.map(|(p, column)| (element.properties[p].name.clone(), column)).collect();
     Ok(())
 }
 
 fn header(bytes: &[u8]) -> Said<(Vec<Element>, Body<'_>)> {
     const NONE: &str = "it is no PLY file (no 'ply' and 'end_header'); give a PLY or OBJ file";
     let mark = b"end_header";
-    let end = bytes.windows(mark.len()).position(|w| w == mark).filter(|_| bytes.starts_with(b"ply")).ok_or(NONE)?;
+    let end = bytes
+        .windows(mark.len())
+        .position(|w| w == mark)
+        .filter(|_| bytes.starts_with(b"ply"))
+        .ok_or(NONE)?;
     let after = bytes[end..].iter().position(|&b| b == b'\n').ok_or(NONE)?;
-    let (head, rest) = (String::from_utf8_lossy(&bytes[..end]).into_owned(), &bytes[end + after + 1..]);
+    let (head, rest) =
+        (String::from_utf8_lossy(&bytes[..end]).into_owned(), &bytes[end + after + 1..]);
     let (mut elements, mut format): (Vec<Element>, Option<String>) = (Vec::new(), None);
     for line in head.lines() {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let broken = || format!("its header has the line '{}', which PLY does not have; export it anew", line.trim());
+        let broken = || {
+            format!(
+                "its header has the line '{}', which PLY does not have; export it anew",
+                line.trim()
+            )
+        };
         match words[..] {
             ["format", name, _] => format = Some(name.to_owned()),
             ["element", name, count] => {
@@ -257,7 +289,11 @@ fn header(bytes: &[u8]) -> Said<(Vec<Element>, Body<'_>)> {
                 elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
             }
             ["property", "list", count, kind, name] => {
-                let own = Property { name: name.to_owned(), kind: Kind::named(kind)?, count: Some(Kind::named(count)?) };
+                let own = Property {
+                    name: name.to_owned(),
+                    kind: Kind::named(kind)?,
+                    count: Some(Kind::named(count)?),
+                };
                 elements.last_mut().ok_or_else(broken)?.properties.push(own);
             }
             ["property", kind, name] => {
@@ -270,7 +306,8 @@ fn header(bytes: &[u8]) -> Said<(Vec<Element>, Body<'_>)> {
     }
     let body = match format.as_deref() {
         Some("ascii") => {
-            let text = std::str::from_utf8(rest).map_err(|_| "what follows its header is no text; export it anew")?;
+            let text = std::str::from_utf8(rest)
+                .map_err(|_| "what follows its header is no text; export it anew")?;
             Body::Text(text.split_ascii_whitespace())
         }
         Some("binary_little_endian") => Body::Bytes { left: rest, big: false },
@@ -284,27 +321,38 @@ fn header(bytes: &[u8]) -> Said<(Vec<Element>, Body<'_>)> {
 mod tests {
     use super::*;
 
-    const HEAD: &str = "element vertex 4\nproperty float x\nproperty float y\nproperty double z\nproperty uchar red\nproperty float grow\n\
-        element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty short a\nend_header\n";
+    const HEAD: &str = "element vertex 4\nproperty float x\nproperty float y\nproperty double \
+        z\nproperty uchar red\nproperty float grow\n\
+        element face 1\nproperty list uchar int vertex_indices\nelement edge 1\nproperty short \
+        a\nend_header\n";
 
     fn square() -> PlyMesh {
-        let text = format!("ply\nformat ascii 1.0\ncomment x\n{HEAD}0 0 0 0 1.5\n1 0 0 51 2\n1 1 0 255 -1\n0 1 0.25 0 0\n4 0 1 2 3\n7\n");
+        let text = format!(
+            "ply\nformat ascii 1.0\ncomment x\n{HEAD}0 0 0 0 1.5\n1 0 0 51 2\n1 1 0 255 -1\n0 1 \
+             0.25 0 0\n4 0 1 2 3\n7\n"
+        );
         parse(Path::new("a.ply"), text.as_bytes()).unwrap()
     }
 
     #[test]
     fn text_and_both_byte_orders_read_alike() {
         let mesh = square();
-        assert_eq!((mesh.positions[3], mesh.faces.len(), mesh.cut), (Vec3::new(0.0, 1.0, 0.25), 2, 1));
+        assert_eq!(
+            (mesh.positions[3], mesh.faces.len(), mesh.cut),
+            (Vec3::new(0.0, 1.0, 0.25), 2, 1)
+        );
         assert_eq!(mesh.attributes[0], ("red".to_owned(), vec![0.0, 0.2, 1.0, 0.0]));
         assert_eq!(mesh.attributes[1], ("grow".to_owned(), vec![1.5, 2.0, -1.0, 0.0]));
         for big in [false, true] {
             let name = if big { "big" } else { "little" };
             let mut bytes = format!("ply\nformat binary_{name}_endian 1.0\n{HEAD}").into_bytes();
             let mut put = |value: &[u8]| bytes.extend(value.iter().copied());
-            for (p, red, grow) in
-                [([0.0, 0.0, 0.0], 0u8, 1.5f32), ([1.0, 0.0, 0.0], 51, 2.0), ([1.0, 1.0, 0.0], 255, -1.0), ([0.0, 1.0, 0.25], 0, 0.0)]
-            {
+            for (p, red, grow) in [
+                ([0.0, 0.0, 0.0], 0u8, 1.5f32),
+                ([1.0, 0.0, 0.0], 51, 2.0),
+                ([1.0, 1.0, 0.0], 255, -1.0),
+                ([0.0, 1.0, 0.25], 0, 0.0),
+            ] {
                 let single = |x: f32| if big { x.to_be_bytes() } else { x.to_le_bytes() };
                 put(&single(p[0] as f32));
                 put(&single(p[1] as f32));
@@ -328,14 +376,25 @@ mod tests {
     fn what_we_write_reads_back() {
         let mesh = square();
         let mut bytes = Vec::new();
-        super::super::ply::write(&mut bytes, &mesh.positions, &mesh.faces, &[("grow", &mesh.attributes[1].1)]).unwrap();
+        super::super::ply::write(
+            &mut bytes,
+            &mesh.positions,
+            &mesh.faces,
+            &[("grow", &mesh.attributes[1].1)],
+        )
+        .unwrap();
         let back = parse(Path::new("b.ply"), &bytes).unwrap();
-        assert_eq!((back.positions, back.faces, &back.attributes[0]), (mesh.positions.clone(), mesh.faces.clone(), &mesh.attributes[1]));
+        assert_eq!(
+            (back.positions, back.faces, &back.attributes[0]),
+            (mesh.positions.clone(), mesh.faces.clone(), &mesh.attributes[1])
+        );
     }
 
     #[test]
     fn what_is_no_mesh_is_told() {
-        let whole = format!("ply\nformat ascii 1.0\n{HEAD}0 0 0 0 1\n1 0 0 0 1\n1 1 0 0 1\n0 1 0 0 1\n3 0 1 2\n7\n");
+        let whole = format!(
+            "ply\nformat ascii 1.0\n{HEAD}0 0 0 0 1\n1 0 0 0 1\n1 1 0 0 1\n0 1 0 0 1\n3 0 1 2\n7\n"
+        );
         assert!(parse(Path::new("a.ply"), whole.as_bytes()).is_ok());
         for (from, to, says) in [
             ("ply\n", "obj\n", "no PLY file"),
@@ -348,7 +407,9 @@ mod tests {
             ("1 1 0 0 1", "1 nan 0 0 1", "'y' of vertex 2 is not finite"),
             ("element face 1", "element part 1", "it has no faces"),
         ] {
-            let text = parse(Path::new("a.ply"), whole.replacen(from, to, 1).as_bytes()).unwrap_err().to_string();
+            let text = parse(Path::new("a.ply"), whole.replacen(from, to, 1).as_bytes())
+                .unwrap_err()
+                .to_string();
             assert!(text.starts_with("a.ply: ") && text.contains(says), "{to}: {text}");
         }
     }

@@ -108,7 +108,10 @@ mod tests {
         }
         let list = |folder: &str| store.list(Path::new(folder));
         assert_eq!(list("."), [("a".into(), true), ("b.obj".into(), false)]);
-        assert_eq!(list("a"), [("1.obj".into(), false), ("2.obj".into(), false), ("c".into(), true)]);
+        assert_eq!(
+            list("a"),
+            [("1.obj".into(), false), ("2.obj".into(), false), ("c".into(), true)]
+        );
         assert_eq!(list("x"), []);
     }
 

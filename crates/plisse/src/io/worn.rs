@@ -1,7 +1,9 @@
-//! A mesh as it is worn, with its rest shape: the pair of files that pattern programs and simulators export.
+//! A mesh as it is worn, with its rest shape: the pair of files that pattern programs and
+//! simulators export.
 //!
-//! Both have the same faces in the same order. The worn mesh is welded where its file keeps vertices twice along seams; the rest
-//! shape keeps its own vertices, because rest lengths belong to faces.
+//! Both have the same faces in the same order. The worn mesh is welded where its file keeps
+//! vertices twice along seams; the rest shape keeps its own vertices, because rest lengths belong
+//! to faces.
 
 use std::path::Path;
 
@@ -13,7 +15,8 @@ use crate::{Error, Result};
 /// Where the rest shape of a worn mesh comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest<'a> {
-    /// An OBJ file with the same faces in the same order: flat pieces or any unstrained shape, possibly with more vertices.
+    /// An OBJ file with the same faces in the same order: flat pieces or any unstrained shape,
+    /// possibly with more vertices.
     File(&'a Path),
     /// The texture coordinates of the worn mesh, which are flat pieces.
     Texture {
@@ -37,19 +40,21 @@ pub struct Worn {
     pub rest_faces: Vec<[usize; 3]>,
     /// `[V]` red, green and blue of the worn file's vertices, if it has them.
     pub colours: Option<Vec<[f64; 3]>>,
-    /// Texture coordinates (v up) and those of each face's corners, of the worn file or else of the rest file.
+    /// Texture coordinates (v up) and those of each face's corners, of the worn file or else of the
+    /// rest file.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
     /// What was passed over, mended, welded or cut, a sentence each with the file.
     pub notes: Vec<String>,
 }
 
-/// Reads the worn mesh at `path` and its rest shape. Coordinates of both files (not of texture) are multiplied by
-/// `metres_per_unit`.
+/// Reads the worn mesh at `path` and its rest shape. Coordinates of both files (not of texture) are
+/// multiplied by `metres_per_unit`.
 ///
 /// # Errors
-/// Those of [`obj::read`] and [`obj::read_pose`]; [`Error::Mesh`] with the file for: files with different numbers of triangles, a worn
-/// mesh without texture coordinates where they are the rest shape, a rest face without area or flipped against its panel, and
-/// what [`Topology::new`] finds in the welded mesh.
+/// Those of [`obj::read`] and [`obj::read_pose`]; [`Error::Mesh`] with the file for: files with
+/// different numbers of triangles, a worn mesh without texture coordinates where they are the rest
+/// shape, a rest face without area or flipped against its panel, and what [`Topology::new`] finds
+/// in the welded mesh.
 pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
     let name = path.display().to_string();
     let mut notes = Vec::new();
@@ -65,10 +70,15 @@ pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
         Rest::Texture { metres_per_uv } => {
             let worn = obj::read(path)?;
             let Some(faces) = worn.texture_faces.clone() else {
-                let message = "its faces have no texture coordinates to take the rest shape from; export it with them, or give a rest mesh";
+                let message = "its faces have no texture coordinates to take the rest shape from; \
+                    export it with them, or give a rest mesh";
                 return Err(Error::mesh(name, message));
             };
-            let flat = worn.texture_coordinates.iter().map(|t| Vec3::new(t.x, t.y, 0.0) * metres_per_uv).collect();
+            let flat = worn
+                .texture_coordinates
+                .iter()
+                .map(|t| Vec3::new(t.x, t.y, 0.0) * metres_per_uv)
+                .collect();
             (worn, format!("{name}, texture coordinates"), flat, faces, None)
         }
     };
@@ -76,7 +86,8 @@ pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
         return Err(Error::mesh(
             &rest_name,
             format!(
-                "it has {} triangles, but {name} has {}; export both from the same mesh, with the same faces in the same order",
+                "it has {} triangles, but {name} has {}; export both from the same mesh, with the \
+                 same faces in the same order",
                 rest_faces.len(),
                 worn.faces.len()
             ),
@@ -109,7 +120,16 @@ pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
         own.iter().zip(&vertex_of_input).for_each(|(colour, &v)| colours[v] = *colour);
         colours
     });
-    Ok(Worn { topology, positions, vertex_of_input, rest_positions, rest_faces, colours, texture: rest_texture, notes })
+    Ok(Worn {
+        topology,
+        positions,
+        vertex_of_input,
+        rest_positions,
+        rest_faces,
+        colours,
+        texture: rest_texture,
+        notes,
+    })
 }
 
 #[cfg(test)]
@@ -117,17 +137,23 @@ mod tests {
     use super::*;
 
     /// Two triangles that meet along a seam, where each has its own vertices.
-    const WORN: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv -1 1 5\nvt 0 0\nvt 0 1\nvt 1 0\nvt 3 1\nvt 3 0\nvt 2 1\nf 1/1 3/3 2/2\nf 4/4 6/6 5/5\n";
+    const WORN: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 0 0 0\nv -1 1 5\nvt 0 0\nvt 0 1\nvt \
+        1 0\nvt 3 1\nvt 3 0\nvt 2 1\nf 1/1 3/3 2/2\nf 4/4 6/6 5/5\n";
     const FLAT: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 3 1 0\nv 3 0 0\nv 2 1 0\nf 1 3 2\nf 4 6 5\n";
 
     /// The pair read from files with this text.
     fn pair(test: &str, worn: &str, rest: &str, metres_per_unit: f64) -> Result<Worn> {
-        let folder = std::env::temp_dir().join(format!("plisse-worn-{test}-{}", std::process::id()));
+        let folder =
+            std::env::temp_dir().join(format!("plisse-worn-{test}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let (worn_path, rest_path) = (folder.join("worn.obj"), folder.join("rest.obj"));
         std::fs::write(&worn_path, worn).unwrap();
         std::fs::write(&rest_path, rest).unwrap();
-        let rest = if rest.is_empty() { Rest::Texture { metres_per_uv: 2.0 } } else { Rest::File(&rest_path) };
+        let rest = if rest.is_empty() {
+            Rest::Texture { metres_per_uv: 2.0 }
+        } else {
+            Rest::File(&rest_path)
+        };
         let read = read(&worn_path, rest, metres_per_unit);
         std::fs::remove_dir_all(&folder).unwrap();
         read
@@ -139,18 +165,31 @@ mod tests {
         assert_eq!((worn.topology.vertex_count, worn.topology.edge_count()), (4, 5));
         assert_eq!(worn.vertex_of_input, [0, 1, 2, 1, 0, 3]);
         assert_eq!(worn.positions[3], Vec3::new(-1.0, 1.0, 5.0) * 0.01);
-        assert_eq!((worn.rest_positions[3], worn.rest_faces[1]), (Vec3::new(3.0, 1.0, 0.0) * 0.01, [3, 5, 4]));
+        assert_eq!(
+            (worn.rest_positions[3], worn.rest_faces[1]),
+            (Vec3::new(3.0, 1.0, 0.0) * 0.01, [3, 5, 4])
+        );
         assert_eq!(worn.texture.unwrap().1[1], [3, 5, 4]);
-        assert!(worn.notes[0].contains("2 vertices of") && worn.notes.len() == 1, "{:?}", worn.notes);
+        assert!(
+            worn.notes[0].contains("2 vertices of") && worn.notes.len() == 1,
+            "{:?}",
+            worn.notes
+        );
         let textured = pair("texture", WORN, "", 0.01).unwrap();
-        assert_eq!((textured.rest_positions[3], textured.rest_faces[1]), (Vec3::new(6.0, 2.0, 0.0), [3, 5, 4]));
+        assert_eq!(
+            (textured.rest_positions[3], textured.rest_faces[1]),
+            (Vec3::new(6.0, 2.0, 0.0), [3, 5, 4])
+        );
     }
 
     #[test]
     fn what_does_not_fit_is_told() {
         let says = |worn: &str, rest: &str| pair("bad", worn, rest, 1.0).unwrap_err().to_string();
         let text = says(WORN, &FLAT.replace("f 4 6 5\n", ""));
-        assert!(text.contains("rest.obj: it has 1 triangles, but ") && text.contains("worn.obj has 2;"), "{text}");
+        assert!(
+            text.contains("rest.obj: it has 1 triangles, but ") && text.contains("worn.obj has 2;"),
+            "{text}"
+        );
         let text = says(&WORN.replace("4/4 6/6 5/5", "4 6 5"), "");
         assert!(text.contains("worn.obj: its faces have no texture coordinates"), "{text}");
         assert!(says(WORN, &FLAT.replace("f 4 6 5", "f 4 6 6")).contains("rest.obj: face 1"));

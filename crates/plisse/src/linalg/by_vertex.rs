@@ -1,5 +1,5 @@
-//! The pattern of a matrix with up to three unknowns a vertex, the coordinates that are not held, and where the blocks of two vertices are
-//! in it.
+//! The pattern of a matrix with up to three unknowns a vertex, the coordinates that are not held,
+//! and where the blocks of two vertices are in it.
 
 use super::elimination::Groups;
 use super::sparse::SymmetricPattern;
@@ -10,19 +10,22 @@ pub(crate) const NO_SLOT: u32 = u32::MAX;
 
 /// Which vertices are coupled, and how.
 pub(crate) struct VertexPattern {
-    /// `[V][3]` unknown of each coordinate, in the order of the vertices; [`NONE`] where it is held.
+    /// `[V][3]` unknown of each coordinate, in the order of the vertices; [`NONE`] where it is
+    /// held.
     unknown: Vec<[usize; 3]>,
     /// Couplings of vertices.
     graph: SymmetricPattern,
     /// For each of them whether all coordinates are coupled; or else like ones only.
     full: Vec<bool>,
-    /// For each of them and each coordinate of the first vertex, the first slot of the second vertex' in its column.
+    /// For each of them and each coordinate of the first vertex, the first slot of the second
+    /// vertex' in its column.
     first_slot: Vec<[u32; 3]>,
     pattern: SymmetricPattern,
 }
 
 impl VertexPattern {
-    /// `full` lists vertices of which all coordinates are coupled, `alike` such of which like coordinates are.
+    /// `full` lists vertices of which all coordinates are coupled, `alike` such of which like
+    /// coordinates are.
     pub(crate) fn new<'a>(
         unknown: Vec<[usize; 3]>,
         full: impl Iterator<Item = &'a [usize]> + Clone,
@@ -30,7 +33,13 @@ impl VertexPattern {
     ) -> Self {
         let graph = SymmetricPattern::from_elements(unknown.len(), full.clone().chain(alike));
         let is_full = vec![false; graph.entry_count()];
-        let mut all = Self { unknown, graph, full: is_full, first_slot: Vec::new(), pattern: SymmetricPattern::empty() };
+        let mut all = Self {
+            unknown,
+            graph,
+            full: is_full,
+            first_slot: Vec::new(),
+            pattern: SymmetricPattern::empty(),
+        };
         all.fill(full);
         all.spread();
         all
@@ -51,7 +60,9 @@ impl VertexPattern {
         self.first_slot.clear();
         self.first_slot.resize(self.graph.entry_count(), [NO_SLOT; 3]);
         for u in 0..self.graph.size() {
-            for (axis, &column) in self.unknown[u].iter().enumerate().filter(|(_, column)| **column != NONE) {
+            for (axis, &column) in
+                self.unknown[u].iter().enumerate().filter(|(_, column)| **column != NONE)
+            {
                 rows.extend(self.unknown[u][axis..].iter().copied().filter(|&row| row != NONE));
                 for entry in self.graph.columns[u] + 1..self.graph.columns[u + 1] {
                     let other = &self.unknown[self.graph.rows[entry]];
@@ -96,21 +107,27 @@ impl VertexPattern {
         Groups { graph: SymmetricPattern { columns, rows }, members }
     }
 
-    /// Slots of all coordinates of `u` (first index) with those of `v`; [`NO_SLOT`] where there is none.
+    /// Slots of all coordinates of `u` (first index) with those of `v`; [`NO_SLOT`] where there is
+    /// none.
     pub(crate) fn block(&self, u: usize, v: usize) -> [[u32; 3]; 3] {
         let mut slots = [[NO_SLOT; 3]; 3];
         let (low, high) = (u.min(v), u.max(v));
         let rows = self.unknown[high];
-        let own = |i: usize, j: usize| (self.pattern.columns[i.min(j)] + i.max(j) - i.min(j)) as u32;
+        let own =
+            |i: usize, j: usize| (self.pattern.columns[i.min(j)] + i.max(j) - i.min(j)) as u32;
         if u == v {
             for a in (0..3).filter(|&a| rows[a] != NONE) {
-                (0..3).filter(|&b| rows[b] != NONE).for_each(|b| slots[a][b] = own(rows[a], rows[b]));
+                (0..3)
+                    .filter(|&b| rows[b] != NONE)
+                    .for_each(|b| slots[a][b] = own(rows[a], rows[b]));
             }
             return slots;
         }
         let Some(entry) = self.graph.find(low, high) else { return slots };
         let begin = rows.iter().copied().find(|&row| row != NONE).unwrap_or(0);
-        for (a, &first) in self.first_slot[entry].iter().enumerate().filter(|(_, first)| **first != NO_SLOT) {
+        for (a, &first) in
+            self.first_slot[entry].iter().enumerate().filter(|(_, first)| **first != NO_SLOT)
+        {
             for b in (0..3).filter(|&b| rows[b] != NONE && (self.full[entry] || a == b)) {
                 let slot = first + if self.full[entry] { (rows[b] - begin) as u32 } else { 0 };
                 *(if low == u { &mut slots[a][b] } else { &mut slots[b][a] }) = slot;
@@ -126,7 +143,10 @@ impl VertexPattern {
     }
 
     /// Couples all coordinates of more vertices. Returns where each slot that there was is now.
-    pub(crate) fn extend<'a>(&mut self, more: impl Iterator<Item = &'a [usize]> + Clone) -> Vec<u32> {
+    pub(crate) fn extend<'a>(
+        &mut self,
+        more: impl Iterator<Item = &'a [usize]> + Clone,
+    ) -> Vec<u32> {
         let (graph, places) = self.graph.extended(more.clone());
         let mut full = vec![false; graph.entry_count()];
         places.iter().zip(&self.full).for_each(|(&place, &was)| full[place] = was);
@@ -143,7 +163,9 @@ impl VertexPattern {
         let mut slots = Vec::with_capacity(old.pattern.entry_count());
         for column in 0..old.pattern.size() {
             let mut now = self.pattern.columns[column];
-            for row in &old.pattern.rows[old.pattern.columns[column]..old.pattern.columns[column + 1]] {
+            for row in
+                &old.pattern.rows[old.pattern.columns[column]..old.pattern.columns[column + 1]]
+            {
                 while self.pattern.rows[now] != *row {
                     now += 1;
                 }
@@ -166,8 +188,13 @@ mod tests {
                 for (a, slots) in all.block(u, v).iter().enumerate() {
                     for (b, &slot) in slots.iter().enumerate() {
                         let (i, j) = (all.unknown[u][a], all.unknown[v][b]);
-                        let expected = if i == NONE || j == NONE { None } else { all.pattern.find(i, j) };
-                        assert_eq!((slot != NO_SLOT).then_some(slot as usize), expected, "{u}.{a} {v}.{b}");
+                        let expected =
+                            if i == NONE || j == NONE { None } else { all.pattern.find(i, j) };
+                        assert_eq!(
+                            (slot != NO_SLOT).then_some(slot as usize),
+                            expected,
+                            "{u}.{a} {v}.{b}"
+                        );
                         found += usize::from(slot != NO_SLOT);
                     }
                 }
@@ -179,8 +206,10 @@ mod tests {
     #[test]
     fn blocks_are_where_the_pattern_has_them() {
         // All free, one axis held, two held, all held, all free.
-        let unknown = vec![[0, 1, 2], [3, NONE, 4], [NONE, 5, NONE], [NONE; 3], [6, 7, 8], [9, 10, 11]];
-        let (full, alike): ([&[usize]; 2], [&[usize]; 1]) = ([&[2, 0, 1], &[4, 3, 1]], [&[5, 4, 0, 3, 2]]);
+        let unknown =
+            vec![[0, 1, 2], [3, NONE, 4], [NONE, 5, NONE], [NONE; 3], [6, 7, 8], [9, 10, 11]];
+        let (full, alike): ([&[usize]; 2], [&[usize]; 1]) =
+            ([&[2, 0, 1], &[4, 3, 1]], [&[5, 4, 0, 3, 2]]);
         let mut all = VertexPattern::new(unknown, full.into_iter(), alike.into_iter());
         check(&all);
         assert!(all.couples(0, 1) && all.couples(3, 5) && !all.couples(4, 0) && !all.couples(1, 5));
@@ -195,7 +224,14 @@ mod tests {
             }
         }
         let groups = all.groups();
-        assert_eq!(groups.members, [vec![0, 1, 2], vec![3, 4], vec![5], vec![6, 7, 8], vec![9, 10, 11]]);
-        assert!(groups.graph.find(1, 4).is_some() && groups.graph.find(1, 3).is_some() && groups.graph.find(0, 4).is_some());
+        assert_eq!(
+            groups.members,
+            [vec![0, 1, 2], vec![3, 4], vec![5], vec![6, 7, 8], vec![9, 10, 11]]
+        );
+        assert!(
+            groups.graph.find(1, 4).is_some()
+                && groups.graph.find(1, 3).is_some()
+                && groups.graph.find(0, 4).is_some()
+        );
     }
 }

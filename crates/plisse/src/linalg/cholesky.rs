@@ -1,14 +1,18 @@
-//! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic part once, numeric part as often as
-//! wanted.
+//! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic part
+//! once, numeric part as often as wanted.
 //!
-//! For a few factorisations all is `faer`'s. Its numeric part runs on one thread on purpose, so that its rounding does not depend on the
-//! number of threads. Where a large matrix is factorised many times, or it is known which unknowns belong together, the order is the best
-//! of several (`ordering`), and the rest is that of `fronts`, whose rounding does not either.
+//! For a few factorisations all is `faer`'s. Its numeric part runs on one thread on purpose, so
+//! that its rounding does not depend on the number of threads. Where a large matrix is factorised
+//! many times, or it is known which unknowns belong together, the order is the best of several
+//! (`ordering`), and the rest is that of `fronts`, whose rounding does not either.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
 use faer::{Conj, MatMut, Par, Side, Spec};
 
 use super::elimination::{Elimination, Groups};
@@ -17,7 +21,8 @@ use super::ordering::{LARGE, LARGE_GROUPS, alone, best, view};
 use super::sparse::SymmetricPattern;
 use crate::{Error, Result};
 
-/// How much more work than when it was made an order may come to, as couplings are added, before another one is looked for.
+/// How much more work than when it was made an order may come to, as couplings are added, before
+/// another one is looked for.
 const WORSE: f64 = 1.3;
 
 /// A factorisation whose symbolic part is done.
@@ -40,16 +45,27 @@ impl Cholesky {
     /// [`crate::Error::Numeric`] when memory runs out.
     pub fn new(pattern: SymmetricPattern) -> Result<Self> {
         let params = CholeskySymbolicParams::default();
-        let symbolic = factorize_symbolic_cholesky(view(&pattern), Side::Lower, SymmetricOrdering::Amd, params)
-            .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be analysed ({e:?}); use a smaller mesh")))?;
+        let symbolic = factorize_symbolic_cholesky(
+            view(&pattern),
+            Side::Lower,
+            SymmetricOrdering::Amd,
+            params,
+        )
+        .map_err(|e| {
+            Error::numeric(
+                "factorisation",
+                format!("the matrix could not be analysed ({e:?}); use a smaller mesh"),
+            )
+        })?;
         let factorise = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default());
-        let memory = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq).or(factorise));
+        let memory =
+            MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq).or(factorise));
         let factor = vec![0.0; symbolic.len_val()];
         Ok(Self { pattern, method: Method::Library { symbolic, factor, memory } })
     }
 
-    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large, so that they do not. With `groups`,
-    /// unknowns of the same group go together.
+    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large,
+    /// so that they do not. With `groups`, unknowns of the same group go together.
     ///
     /// # Errors
     /// [`crate::Error::Numeric`] when memory runs out.
@@ -68,7 +84,8 @@ impl Cholesky {
         Self { pattern, method: Method::Fronts { elimination, fronts, asked } }
     }
 
-    /// As [`Cholesky::for_many`], for a `pattern` that has become another, e.g. by more couplings; the order is kept as long as it is good.
+    /// As [`Cholesky::for_many`], for a `pattern` that has become another, e.g. by more couplings;
+    /// the order is kept as long as it is good.
     ///
     /// # Errors
     /// As [`Cholesky::for_many`].
@@ -89,7 +106,8 @@ impl Cholesky {
         &self.pattern
     }
 
-    /// Factorises the matrix with these lower-triangle `values`. Returns whether it is positive definite; only then may
+    /// Factorises the matrix with these lower-triangle `values`. Returns whether it is positive
+    /// definite; only then may
     /// [`Cholesky::solve`] follow.
     pub fn factorise(&mut self, values: &[f64]) -> bool {
         match &mut self.method {
@@ -98,7 +116,17 @@ impl Cholesky {
                 let matrix = SparseColMatRef::new(view(&self.pattern), values);
                 let (side, regularisation) = (Side::Lower, LltRegularization::default());
                 let stack = MemStack::new(memory);
-                symbolic.factorize_numeric_llt(factor, matrix, side, regularisation, Par::Seq, stack, Spec::default()).is_ok()
+                symbolic
+                    .factorize_numeric_llt(
+                        factor,
+                        matrix,
+                        side,
+                        regularisation,
+                        Par::Seq,
+                        stack,
+                        Spec::default(),
+                    )
+                    .is_ok()
             }
         }
     }
@@ -110,7 +138,12 @@ impl Cholesky {
             Method::Library { symbolic, factor, memory } => {
                 let n = x.len();
                 let x = MatMut::from_column_major_slice_mut(x, n, 1);
-                LltRef::new(symbolic, factor).solve_in_place_with_conj(Conj::No, x, Par::Seq, MemStack::new(memory));
+                LltRef::new(symbolic, factor).solve_in_place_with_conj(
+                    Conj::No,
+                    x,
+                    Par::Seq,
+                    MemStack::new(memory),
+                );
             }
         }
     }
@@ -142,8 +175,9 @@ mod tests {
         assert!(!cholesky.factorise(&values));
     }
 
-    /// The couplings of a reference shell on `side` × `side` vertices, flat or rolled to a tube: three unknowns for each vertex, and
-    /// elements of a triangle with the far corners of its neighbours.
+    /// The couplings of a reference shell on `side` × `side` vertices, flat or rolled to a tube:
+    /// three unknowns for each vertex, and elements of a triangle with the far corners of its
+    /// neighbours.
     fn shell(side: usize, tube: bool) -> SymmetricPattern {
         let lower = [[0, 0], [1, 0], [0, 1], [1, 1], [1, -1], [-1, 1]];
         let upper = [[1, 0], [1, 1], [0, 1], [0, 0], [2, 0], [0, 2]];
@@ -156,8 +190,15 @@ mod tests {
         let cells = (0..wide * (side - 1)).map(|cell| ((cell % wide) as i64, (cell / wide) as i64));
         let elements: Vec<Vec<usize>> = cells
             .flat_map(|cell| [(cell, lower), (cell, upper)])
-            .map(|((x, y), corners)| corners.into_iter().filter_map(|[right, up]| vertex(x + right, y + up)).collect::<Vec<_>>())
-            .map(|corners| corners.into_iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect())
+            .map(|((x, y), corners)| {
+                corners
+                    .into_iter()
+                    .filter_map(|[right, up]| vertex(x + right, y + up))
+                    .collect::<Vec<_>>()
+            })
+            .map(|corners| {
+                corners.into_iter().flat_map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect()
+            })
             .collect();
         SymmetricPattern::from_elements(3 * side * side, elements.iter().map(Vec::as_slice))
     }
@@ -186,16 +227,28 @@ mod tests {
             let dissected = Elimination::of(&unknowns, &dissect(&pattern));
             let by_degree = Elimination::of(&unknowns, &minimum_degree(&pattern).unwrap());
             let stored = |elimination: &Elimination| {
-                elimination.supernodes.iter().map(|node| node.columns.len() * (node.columns.len() + node.rows.len())).sum::<usize>() as f64
+                elimination
+                    .supernodes
+                    .iter()
+                    .map(|node| node.columns.len() * (node.columns.len() + node.rows.len()))
+                    .sum::<usize>() as f64
             };
             assert!(stored(&dissected) < entries * stored(&by_degree), "tube {tube}");
             assert!(dissected.operations < work * by_degree.operations, "tube {tube}");
             // The one with less work is taken; the coordinates of a vertex together cost no more.
             let least = dissected.operations.min(by_degree.operations);
             let vertices = pattern.size() / 3;
-            let below = |v: usize| pattern.rows[pattern.columns[3 * v]..pattern.columns[3 * v + 1]].iter().map(|row| row / 3).collect();
+            let below = |v: usize| {
+                pattern.rows[pattern.columns[3 * v]..pattern.columns[3 * v + 1]]
+                    .iter()
+                    .map(|row| row / 3)
+                    .collect()
+            };
             let graph = SymmetricPattern::from_columns((0..vertices).map(below).collect());
-            let groups = Groups { graph, members: (0..vertices).map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect() };
+            let groups = Groups {
+                graph,
+                members: (0..vertices).map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect(),
+            };
             assert!(best(&groups, LARGE_GROUPS).unwrap().operations < 1.03 * least);
             assert_eq!(best(&unknowns, LARGE).unwrap().operations, least);
         }
@@ -213,7 +266,9 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
                 let mut cholesky = Cholesky::for_many(pattern.clone(), None).unwrap();
-                assert!(matches!(cholesky.method, Method::Fronts { .. }) && cholesky.factorise(&values));
+                assert!(
+                    matches!(cholesky.method, Method::Fronts { .. }) && cholesky.factorise(&values)
+                );
                 let mut x = right.clone();
                 cholesky.solve(&mut x);
                 // Once more, in memory that was used before.
@@ -232,7 +287,8 @@ mod tests {
         assert!(!Cholesky::for_many(pattern, None).unwrap().factorise(&values));
     }
 
-    /// A ribbon that is eliminated from one end to the other: every front waits for the one before it.
+    /// A ribbon that is eliminated from one end to the other: every front waits for the one before
+    /// it.
     #[test]
     fn ribbons_may_be_as_long_as_they_like() {
         let n = 60_000;
@@ -252,7 +308,8 @@ mod tests {
             cholesky.solve(&mut x);
             x.iter().zip(&expected).fold(0.0_f64, |most, (x, e)| most.max((x - e).abs()))
         };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(1 << 19).build().unwrap();
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(2).stack_size(1 << 19).build().unwrap();
         let along: Vec<usize> = (0..n).collect();
         // From both ends to the middle: two such ways at once.
         let inwards: Vec<usize> = (0..n / 2).flat_map(|i| [i, n - 1 - i]).collect();

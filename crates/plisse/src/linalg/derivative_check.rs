@@ -1,9 +1,14 @@
 //! Derivatives against finite differences, at several step sizes.
 
-/// Largest difference, over all components, between `gradient` and central differences of `energy` at `x`, relative to the
-/// gradient's largest component; the best over several step sizes (relative to each |xᵢ| + `scale`), since small steps
-/// suffer from rounding and large ones from curvature.
-pub fn gradient_error(x: &[f64], scale: f64, gradient: &[f64], mut energy: impl FnMut(&[f64]) -> f64) -> f64 {
+/// Largest difference, over all components, between `gradient` and central differences of `energy`
+/// at `x`, relative to the gradient's largest component; the best over several step sizes (relative
+/// to each |xᵢ| + `scale`), since small steps suffer from rounding and large ones from curvature.
+pub fn gradient_error(
+    x: &[f64],
+    scale: f64,
+    gradient: &[f64],
+    mut energy: impl FnMut(&[f64]) -> f64,
+) -> f64 {
     let size = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs())).max(f64::MIN_POSITIVE);
     let mut y = x.to_vec();
     [1e-3, 1e-4, 1e-5, 1e-6]
@@ -25,7 +30,12 @@ pub fn gradient_error(x: &[f64], scale: f64, gradient: &[f64], mut energy: impl 
 }
 
 /// The same for a Hessian (`[n][n]`, row by row) against central differences of the gradient.
-pub fn hessian_error(x: &[f64], scale: f64, hessian: &[f64], mut gradient: impl FnMut(&[f64]) -> Vec<f64>) -> f64 {
+pub fn hessian_error(
+    x: &[f64],
+    scale: f64,
+    hessian: &[f64],
+    mut gradient: impl FnMut(&[f64]) -> Vec<f64>,
+) -> f64 {
     let n = x.len();
     let size = hessian.iter().fold(0.0_f64, |m, h| m.max(h.abs())).max(f64::MIN_POSITIVE);
     let mut y = x.to_vec();
@@ -41,7 +51,8 @@ pub fn hessian_error(x: &[f64], scale: f64, hessian: &[f64], mut gradient: impl 
                 let below = gradient(&y);
                 y[i] = x[i];
                 for j in 0..n {
-                    worst = worst.max(((above[j] - below[j]) / (2.0 * step) - hessian[i * n + j]).abs());
+                    worst = worst
+                        .max(((above[j] - below[j]) / (2.0 * step) - hessian[i * n + j]).abs());
                 }
             }
             worst / size

@@ -1,9 +1,11 @@
 //! The direction of a Newton step: which matrix is factorised, and what is solved with it.
 //!
-//! Close to the minimum that is the true Hessian H, which gives quadratic convergence. Farther away H has directions of negative curvature; the
-//! bound C that a problem can give, with element Hessians made convex, has none, but may be stiffer by far than the energy is. So H + s(C − H)
-//! is factorised with a share s that is as small as experience tells, from 0 to 1. But for loads like pressure, C − H is positive semidefinite: what
-//! can be factorised with a share can be with any larger one.
+//! Close to the minimum that is the true Hessian H, which gives quadratic convergence. Farther away
+//! H has directions of negative curvature; the bound C that a problem can give, with element
+//! Hessians made convex, has none, but may be stiffer by far than the energy is. So H + s(C − H) is
+//! factorised with a share s that is as small as experience tells, from 0 to 1. But for loads like
+//! pressure, C − H is positive semidefinite: what can be factorised with a share can be with any
+//! larger one.
 
 use super::cholesky::Cholesky;
 use super::elimination::Groups;
@@ -15,12 +17,13 @@ use crate::Result;
 /// By what the share changes from one attempt to the next, and the least one that is not 0.
 const SHARE_FACTOR: f64 = 4.0;
 const LEAST_SHARE: f64 = 1.0 / 256.0;
-/// Steps that go by, at most, before a share that was too small is tried again; and where it is 0 or 1.
+/// Steps that go by, at most, before a share that was too small is tried again; and where it is 0
+/// or 1.
 const LONGEST_WAIT: u32 = 4;
 const LONGEST_WAIT_OF_ALL: u32 = 5;
 
-/// Relative residual at which [`Descent::conjugate_gradients`] is content: far from the minimum, where a Newton step is rough anyway, and close
-/// to it; and the steps it takes at most.
+/// Relative residual at which [`Descent::conjugate_gradients`] is content: far from the minimum,
+/// where a Newton step is rough anyway, and close to it; and the steps it takes at most.
 const CONTENT: [f64; 2] = [1e-2, 1e-6];
 const MOST_STEPS: usize = 60;
 
@@ -52,7 +55,11 @@ pub(super) struct Wanted<'a> {
 
 impl Descent {
     /// With `all_or_none` the share is 0 or 1.
-    pub(super) fn new(pattern: SymmetricPattern, groups: Option<Groups>, all_or_none: bool) -> Result<Self> {
+    pub(super) fn new(
+        pattern: SymmetricPattern,
+        groups: Option<Groups>,
+        all_or_none: bool,
+    ) -> Result<Self> {
         Ok(Self::with(Cholesky::for_many(pattern, groups)?, Share::new(all_or_none)))
     }
 
@@ -73,8 +80,14 @@ impl Descent {
         self.share.now == 0.0
     }
 
-    /// A direction along which the energy of `problem` falls from where it was last linearised, in `direction` (`[n]`); tells whether there is one.
-    pub(super) fn find(&mut self, problem: &mut dyn Problem, wanted: &Wanted<'_>, direction: &mut [f64]) -> bool {
+    /// A direction along which the energy of `problem` falls from where it was last linearised, in
+    /// `direction` (`[n]`); tells whether there is one.
+    pub(super) fn find(
+        &mut self,
+        problem: &mut dyn Problem,
+        wanted: &Wanted<'_>,
+        direction: &mut [f64],
+    ) -> bool {
         if wanted.convexity == Convexity::Exact || !wanted.settled {
             self.share.pass();
         } else if self.find_by_share(problem, wanted, direction) {
@@ -94,7 +107,12 @@ impl Descent {
     }
 
     /// The same with a share of C that is less than 1.
-    fn find_by_share(&mut self, problem: &mut dyn Problem, wanted: &Wanted<'_>, direction: &mut [f64]) -> bool {
+    fn find_by_share(
+        &mut self,
+        problem: &mut dyn Problem,
+        wanted: &Wanted<'_>,
+        direction: &mut [f64],
+    ) -> bool {
         let mut share = self.share.first();
         if share >= 1.0 {
             return false;
@@ -124,8 +142,15 @@ impl Descent {
         false
     }
 
-    /// `direction` = −A⁻¹·gradient for the matrix A in `values`; tells whether A is positive definite.
-    fn solve(&mut self, problem: &dyn Problem, wanted: &Wanted<'_>, damping: f64, direction: &mut [f64]) -> bool {
+    /// `direction` = −A⁻¹·gradient for the matrix A in `values`; tells whether A is positive
+    /// definite.
+    fn solve(
+        &mut self,
+        problem: &dyn Problem,
+        wanted: &Wanted<'_>,
+        damping: f64,
+        direction: &mut [f64],
+    ) -> bool {
         let values = &mut self.values;
         let largest = self.diagonal.iter().map(|&slot| values[slot].abs()).fold(0.0, f64::max);
         let shift = if largest > 0.0 { damping * largest } else { 1.0 };
@@ -141,16 +166,29 @@ impl Descent {
             *direction = -gradient;
         }
         self.cholesky.solve(direction);
-        // Rough while the gradient (of order one at most) is large, so that the steps still shrink it faster and faster (Eisenstat & Walker).
+        // Rough while the gradient (of order one at most) is large, so that the steps still shrink
+        // it faster and faster (Eisenstat & Walker).
         let free = wanted.gradient.iter().zip(wanted.held).filter(|(_, held)| !**held);
         let largest = free.fold(0.0_f64, |most, (g, _)| most.max(g.abs()));
-        self.conjugate_gradients(problem, wanted.gradient, largest.sqrt().clamp(CONTENT[1], CONTENT[0]), direction);
+        self.conjugate_gradients(
+            problem,
+            wanted.gradient,
+            largest.sqrt().clamp(CONTENT[1], CONTENT[0]),
+            direction,
+        );
         dot(direction, wanted.gradient) < 0.0
     }
 
-    /// Where the factorised matrix P leaves a part of the Hessian out, solves H·direction = −gradient by conjugate gradients with P
-    /// as preconditioner; `direction` comes in as −P⁻¹·gradient. Every iterate is a direction of descent.
-    fn conjugate_gradients(&mut self, problem: &dyn Problem, gradient: &[f64], content: f64, direction: &mut [f64]) {
+    /// Where the factorised matrix P leaves a part of the Hessian out, solves H·direction =
+    /// −gradient by conjugate gradients with P as preconditioner; `direction` comes in as
+    /// −P⁻¹·gradient. Every iterate is a direction of descent.
+    fn conjugate_gradients(
+        &mut self,
+        problem: &dyn Problem,
+        gradient: &[f64],
+        content: f64,
+        direction: &mut [f64],
+    ) {
         let n = direction.len();
         let mut image = vec![0.0; n];
         if !problem.add_rest_of_hessian(direction, &mut image) {
@@ -229,7 +267,11 @@ impl Share {
 
     /// `tried` was too small: what to try next.
     fn failed(&mut self, tried: f64) -> f64 {
-        self.failures = (self.failures + 1).min(if self.all_or_none { LONGEST_WAIT_OF_ALL } else { LONGEST_WAIT });
+        self.failures = (self.failures + 1).min(if self.all_or_none {
+            LONGEST_WAIT_OF_ALL
+        } else {
+            LONGEST_WAIT
+        });
         self.wait = self.failures;
         match tried {
             _ if self.all_or_none => 1.0,
@@ -268,7 +310,10 @@ mod tests {
         // Twice failed, so two steps go by.
         assert_eq!([(); 3].map(|()| step(&mut share, 0.01)[0]), [0.015625, 0.015625, 0.00390625]);
         let mut all = Share::new(true);
-        assert_eq!([step(&mut all, 0.01), step(&mut all, 0.01), step(&mut all, 0.0)], [vec![0.0, 1.0], vec![1.0], vec![0.0]]);
+        assert_eq!(
+            [step(&mut all, 0.01), step(&mut all, 0.01), step(&mut all, 0.0)],
+            [vec![0.0, 1.0], vec![1.0], vec![0.0]]
+        );
     }
 
     /// One unknown, with H = −1 and C = 50.
@@ -296,7 +341,13 @@ mod tests {
     fn as_little_of_the_bound_is_added_as_makes_it_convex() {
         let mut descent = Descent::new(Saddle.pattern(), None, false).unwrap();
         let bend = |descent: &mut Descent, settled: bool| {
-            let wanted = Wanted { convexity: Convexity::Clamped, settled, damping: 0.0, held: &[false], gradient: &[1.0] };
+            let wanted = Wanted {
+                convexity: Convexity::Clamped,
+                settled,
+                damping: 0.0,
+                held: &[false],
+                gradient: &[1.0],
+            };
             let mut direction = [0.0];
             assert!(descent.find(&mut Saddle, &wanted, &mut direction));
             -1.0 / direction[0]

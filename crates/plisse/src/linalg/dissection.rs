@@ -1,10 +1,13 @@
-//! Nested dissection: an order for the elimination of unknowns that keeps the factor of a mesh's matrix sparse.
+//! Nested dissection: an order for the elimination of unknowns that keeps the factor of a mesh's
+//! matrix sparse.
 //!
-//! Unknowns with the same couplings (the coordinates of a vertex) are one node of a graph. A few nodes, the separator, whose
-//! loss leaves two halves without a coupling are eliminated last; each half is cut in the same way (George 1973). To find them,
-//! nodes far from each other are taken as poles, and the nodes nearer to one pole than to the other are one half; the rim
-//! between the halves is then improved by single moves, as Fiduccia & Mattheyses (1982) do it, also through worse states. Of
-//! several pairs of poles the best cut counts: a tube is cut across or along, whichever is shorter.
+//! Unknowns with the same couplings (the coordinates of a vertex) are one node of a graph. A few
+//! nodes, the separator, whose loss leaves two halves without a coupling are eliminated last; each
+//! half is cut in the same way (George 1973). To find them, nodes far from each other are taken as
+//! poles, and the nodes nearer to one pole than to the other are one half; the rim between the
+//! halves is then improved by single moves, as Fiduccia & Mattheyses (1982) do it, also through
+//! worse states. Of several pairs of poles the best cut counts: a tube is cut across or along,
+//! whichever is shorter.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -32,7 +35,10 @@ const SEPARATOR: usize = 2;
 /// An order of elimination: the unknown that goes first, the one after it, ….
 pub fn dissect(pattern: &SymmetricPattern) -> Vec<usize> {
     let (graph, members) = compress(pattern);
-    order_part(&graph, &(0..graph.size()).collect::<Vec<_>>()).into_iter().flat_map(|node| members[node].iter().copied()).collect()
+    order_part(&graph, &(0..graph.size()).collect::<Vec<_>>())
+        .into_iter()
+        .flat_map(|node| members[node].iter().copied())
+        .collect()
 }
 
 /// An undirected graph without loops whose nodes have weights.
@@ -61,13 +67,16 @@ impl Graph {
         }
         let (mut first, mut neighbours) = (vec![0], Vec::new());
         for &old in nodes {
-            neighbours.extend(self.of(old).iter().map(|&other| place[other]).filter(|&new| new != usize::MAX));
+            neighbours.extend(
+                self.of(old).iter().map(|&other| place[other]).filter(|&new| new != usize::MAX),
+            );
             first.push(neighbours.len());
         }
         Self { first, neighbours, weights: nodes.iter().map(|&node| self.weights[node]).collect() }
     }
 
-    /// `[n]` steps from `start` to each node ([`usize::MAX`] where there is no way), and the nodes in the order in which they are reached.
+    /// `[n]` steps from `start` to each node ([`usize::MAX`] where there is no way), and the nodes
+    /// in the order in which they are reached.
     fn steps_from(&self, start: usize) -> (Vec<usize>, Vec<usize>) {
         let mut steps = vec![usize::MAX; self.size()];
         let (mut reached, mut next) = (vec![start], 0);
@@ -86,21 +95,29 @@ impl Graph {
     }
 }
 
-/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns of each node.
+/// The graph of `pattern` with unknowns that have the same couplings in one node, and the unknowns
+/// of each node.
 fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
     let n = pattern.size();
     let (first, lists) = couplings(pattern);
     let list = |i: usize| &lists[first[i]..first[i + 1]];
     let (mut node_of, mut members) = (vec![usize::MAX; n], Vec::<Vec<usize>>::new());
     for i in 0..n {
-        let same = list(i).iter().take_while(|&&j| j < i).map(|&j| node_of[j]).find(|&node| list(members[node][0]) == list(i));
+        let same = list(i)
+            .iter()
+            .take_while(|&&j| j < i)
+            .map(|&j| node_of[j])
+            .find(|&node| list(members[node][0]) == list(i));
         node_of[i] = same.unwrap_or(members.len());
         match same {
             Some(node) => members[node].push(i),
             None => members.push(vec![i]),
         }
     }
-    let (mut graph, mut seen) = (Graph { first: vec![0], neighbours: Vec::new(), weights: Vec::new() }, vec![usize::MAX; members.len()]);
+    let (mut graph, mut seen) = (
+        Graph { first: vec![0], neighbours: Vec::new(), weights: Vec::new() },
+        vec![usize::MAX; members.len()],
+    );
     for (node, unknowns) in members.iter().enumerate() {
         seen[node] = node;
         for &j in list(unknowns[0]) {
@@ -126,10 +143,15 @@ fn order_part(graph: &Graph, names: &[usize]) -> Vec<usize> {
         let nodes: Vec<usize> = (0..graph.size()).filter(|&node| halves[node] == half).collect();
         order_part(&graph.among(&nodes), &nodes.iter().map(|&node| names[node]).collect::<Vec<_>>())
     };
-    let (mut order, second) =
-        if graph.size() < PARALLEL { (order_half(0), order_half(1)) } else { rayon::join(|| order_half(0), || order_half(1)) };
+    let (mut order, second) = if graph.size() < PARALLEL {
+        (order_half(0), order_half(1))
+    } else {
+        rayon::join(|| order_half(0), || order_half(1))
+    };
     order.extend(second);
-    order.extend((0..graph.size()).filter(|&node| halves[node] == SEPARATOR).map(|node| names[node]));
+    order.extend(
+        (0..graph.size()).filter(|&node| halves[node] == SEPARATOR).map(|node| names[node]),
+    );
     order
 }
 
@@ -150,8 +172,13 @@ fn halve(graph: &Graph) -> Vec<usize> {
     let d = reached[n - 1];
     let (from_d, _) = graph.steps_from(d);
     let cut = |signs: [i64; 4]| {
-        let side =
-            |node: usize| [&from_a, &from_b, &from_c, &from_d].iter().zip(signs).map(|(from, sign)| sign * from[node] as i64).sum::<i64>();
+        let side = |node: usize| {
+            [&from_a, &from_b, &from_c, &from_d]
+                .iter()
+                .zip(signs)
+                .map(|(from, sign)| sign * from[node] as i64)
+                .sum::<i64>()
+        };
         Cut::along(graph, side)
     };
     let mut cuts = each(n, vec![[1, -1, 0, 0], [0, 0, 1, -1], [1, -1, 1, -1], [1, -1, -1, 1]], cut);
@@ -162,17 +189,24 @@ fn halve(graph: &Graph) -> Vec<usize> {
         cut.improve();
         cut
     });
-    cuts.into_iter().min_by(|a, b| a.cost().total_cmp(&b.cost())).map_or_else(Vec::new, |cut| cut.half)
+    cuts.into_iter()
+        .min_by(|a, b| a.cost().total_cmp(&b.cost()))
+        .map_or_else(Vec::new, |cut| cut.half)
 }
 
 /// What `of` makes of each, at the same time where there are many nodes.
 fn each<S: Send, T: Send>(nodes: usize, all: Vec<S>, of: impl Fn(S) -> T + Sync + Send) -> Vec<T> {
-    if nodes < PARALLEL { all.into_iter().map(of).collect() } else { all.into_par_iter().map(of).collect() }
+    if nodes < PARALLEL {
+        all.into_iter().map(of).collect()
+    } else {
+        all.into_par_iter().map(of).collect()
+    }
 }
 
 /// The connected pieces of `graph`, shared out to two halves of about the same weight.
 fn halve_pieces(graph: &Graph) -> Vec<usize> {
-    let (mut half, mut weights, mut queue) = (vec![usize::MAX; graph.size()], [0; 2], VecDeque::new());
+    let (mut half, mut weights, mut queue) =
+        (vec![usize::MAX; graph.size()], [0; 2], VecDeque::new());
     for start in 0..graph.size() {
         if half[start] != usize::MAX {
             continue;
@@ -203,7 +237,8 @@ struct Cut<'a> {
 }
 
 impl<'a> Cut<'a> {
-    /// The nodes where `side` is least are one half, of half the weight; those of the other half that touch it separate.
+    /// The nodes where `side` is least are one half, of half the weight; those of the other half
+    /// that touch it separate.
     fn along(graph: &'a Graph, side: impl Fn(usize) -> i64) -> Self {
         let n = graph.size();
         let total: usize = graph.weights.iter().sum();
@@ -217,7 +252,9 @@ impl<'a> Cut<'a> {
             weight += graph.weights[node];
             half[node] = 0;
         }
-        let rim: Vec<usize> = (0..n).filter(|&node| half[node] == 1 && graph.of(node).iter().any(|&other| half[other] == 0)).collect();
+        let rim: Vec<usize> = (0..n)
+            .filter(|&node| half[node] == 1 && graph.of(node).iter().any(|&other| half[other] == 0))
+            .collect();
         for node in rim {
             half[node] = SEPARATOR;
         }
@@ -234,10 +271,12 @@ impl<'a> Cut<'a> {
         separator * (1.0 + (a - b).abs() / (a + b + separator))
     }
 
-    /// Weight that leaves the separator when `node` goes from it to `half`; what it touches in the other half comes in.
+    /// Weight that leaves the separator when `node` goes from it to `half`; what it touches in the
+    /// other half comes in.
     fn gain(&self, node: usize, half: usize) -> i64 {
         let touched = self.graph.of(node).iter().filter(|&&other| self.half[other] == 1 - half);
-        self.graph.weights[node] as i64 - touched.map(|&other| self.graph.weights[other] as i64).sum::<i64>()
+        self.graph.weights[node] as i64
+            - touched.map(|&other| self.graph.weights[other] as i64).sum::<i64>()
     }
 
     fn put(&mut self, node: usize, half: usize) {
@@ -254,14 +293,15 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// Moves every node at most once out of the separator, the best move first, and goes back to the best state met. Returns
-    /// whether it is better than the first.
+    /// Moves every node at most once out of the separator, the best move first, and goes back to
+    /// the best state met. Returns whether it is better than the first.
     fn improve_once(&mut self) -> bool {
         let n = self.graph.size();
         let largest = (LARGEST_HALF * self.weights.iter().sum::<usize>() as f64) as usize;
         let mut moved = vec![false; n];
         let mut best = self.cost();
-        // Moves since the best state: a node, the half it went to, and the nodes that came into the separator for it.
+        // Moves since the best state: a node, the half it went to, and the nodes that came into the
+        // separator for it.
         let mut since: Vec<(usize, usize, Vec<usize>)> = Vec::new();
         let mut better = false;
         let mut moves = BinaryHeap::new();
@@ -271,7 +311,10 @@ impl<'a> Cut<'a> {
             }
         }
         while let Some((gain, Reverse(node), half)) = moves.pop() {
-            if moved[node] || self.half[node] != SEPARATOR || self.weights[half] + self.graph.weights[node] > largest {
+            if moved[node]
+                || self.half[node] != SEPARATOR
+                || self.weights[half] + self.graph.weights[node] > largest
+            {
                 continue;
             }
             // The surroundings may have changed since the gain was written down.
@@ -282,7 +325,13 @@ impl<'a> Cut<'a> {
                 }
                 continue;
             }
-            let came: Vec<usize> = self.graph.of(node).iter().copied().filter(|&other| self.half[other] == 1 - half).collect();
+            let came: Vec<usize> = self
+                .graph
+                .of(node)
+                .iter()
+                .copied()
+                .filter(|&other| self.half[other] == 1 - half)
+                .collect();
             moved[node] = true;
             self.put(node, half);
             for &other in &came {
@@ -292,7 +341,9 @@ impl<'a> Cut<'a> {
             for &other in &came {
                 for &near in self.graph.of(other).iter().chain([&other]) {
                     if self.half[near] == SEPARATOR && !moved[near] {
-                        moves.extend([0, 1].map(|half| (self.gain(near, half), Reverse(near), half)));
+                        moves.extend(
+                            [0, 1].map(|half| (self.gain(near, half), Reverse(near), half)),
+                        );
                     }
                 }
             }
@@ -319,14 +370,21 @@ impl<'a> Cut<'a> {
 mod tests {
     use super::*;
 
-    /// The triangles of a sheet of `wide` × `high` cells, rolled to a tube if `tube`; with two unknowns for each vertex.
+    /// The triangles of a sheet of `wide` × `high` cells, rolled to a tube if `tube`; with two
+    /// unknowns for each vertex.
     fn sheet(wide: usize, high: usize, tube: bool) -> SymmetricPattern {
         let columns = wide + usize::from(!tube);
         let at = |x: usize, y: usize| y * columns + x % columns;
         let cells = (0..wide * high).map(|cell| (cell % wide, cell / wide));
-        let triangles = cells.flat_map(|(x, y)| [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]]);
-        let elements: Vec<Vec<usize>> = triangles.map(|t| t.iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect()).collect();
-        SymmetricPattern::from_elements(2 * columns * (high + 1), elements.iter().map(Vec::as_slice))
+        let triangles = cells.flat_map(|(x, y)| {
+            [[at(x, y), at(x + 1, y), at(x, y + 1)], [at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]]
+        });
+        let elements: Vec<Vec<usize>> =
+            triangles.map(|t| t.iter().flat_map(|&v| [2 * v, 2 * v + 1]).collect()).collect();
+        SymmetricPattern::from_elements(
+            2 * columns * (high + 1),
+            elements.iter().map(Vec::as_slice),
+        )
     }
 
     #[test]
@@ -336,7 +394,14 @@ mod tests {
         let none = SymmetricPattern::from_elements(0, std::iter::empty());
         for pattern in [sheet(30, 20, false), sheet(40, 70, true), alone, none] {
             let order = dissect(&pattern);
-            assert_eq!(order, rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap().install(|| dissect(&pattern)));
+            assert_eq!(
+                order,
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(1)
+                    .build()
+                    .unwrap()
+                    .install(|| dissect(&pattern))
+            );
             let mut sorted = order;
             sorted.sort_unstable();
             assert!(sorted.into_iter().eq(0..pattern.size()));
@@ -353,14 +418,23 @@ mod tests {
     #[test]
     fn cuts_are_clean_light_and_even() {
         // A long tube is cut around, a short one along (twice), a square once through the middle.
-        for (wide, high, tube, lightest) in [(20, 80, true, 20), (100, 15, true, 2 * 16), (40, 40, false, 41)] {
+        for (wide, high, tube, lightest) in
+            [(20, 80, true, 20), (100, 15, true, 2 * 16), (40, 40, false, 41)]
+        {
             let (graph, _) = compress(&sheet(wide, high, tube));
             let half = halve(&graph);
             for node in 0..graph.size() {
-                assert!(half[node] == SEPARATOR || graph.of(node).iter().all(|&other| half[other] != 1 - half[node]));
+                assert!(
+                    half[node] == SEPARATOR
+                        || graph.of(node).iter().all(|&other| half[other] != 1 - half[node])
+                );
             }
             let count = |which| half.iter().filter(|&&half| half == which).count();
-            assert!(count(SEPARATOR) <= lightest + lightest / 4, "{} of {lightest}", count(SEPARATOR));
+            assert!(
+                count(SEPARATOR) <= lightest + lightest / 4,
+                "{} of {lightest}",
+                count(SEPARATOR)
+            );
             assert!(count(0).max(count(1)) as f64 <= LARGEST_HALF * graph.size() as f64 + 1.0);
         }
     }

@@ -1,12 +1,14 @@
-//! What elimination in a given order leaves: the elimination tree, columns of the factor with the same rows below them, and these rows
-//! (Liu 1990). It is found for groups of unknowns (the coordinates of a vertex), a third of the nodes and a tenth of the couplings.
+//! What elimination in a given order leaves: the elimination tree, columns of the factor with the
+//! same rows below them, and these rows (Liu 1990). It is found for groups of unknowns (the
+//! coordinates of a vertex), a third of the nodes and a tenth of the couplings.
 
 use std::ops::Range;
 
 use super::sparse::SymmetricPattern;
 use crate::mesh::NONE;
 
-/// Columns that are this few are joined with those after them if at most such a share of the entries is zero for it.
+/// Columns that are this few are joined with those after them if at most such a share of the
+/// entries is zero for it.
 const JOINED: [(usize, f64); 4] = [(4, 1.0), (16, 0.8), (48, 0.1), (96, 0.05)];
 
 /// Groups of unknowns that are better eliminated together, and their couplings.
@@ -17,7 +19,8 @@ pub struct Groups {
     pub members: Vec<Vec<usize>>,
 }
 
-/// An order of elimination and the supernodes to which it leads. Unknowns are meant by their place in the order.
+/// An order of elimination and the supernodes to which it leads. Unknowns are meant by their place
+/// in the order.
 pub(super) struct Elimination {
     /// The group that goes first, the one after it, …
     pub(super) groups: Vec<usize>,
@@ -25,7 +28,8 @@ pub(super) struct Elimination {
     pub(super) order: Vec<usize>,
     /// By their columns, ascending; every subtree is in one piece.
     pub(super) supernodes: Vec<Supernode>,
-    /// Floating-point operations of one factorisation: the sum of squares of the entries in each column.
+    /// Floating-point operations of one factorisation: the sum of squares of the entries in each
+    /// column.
     pub(super) operations: f64,
 }
 
@@ -60,7 +64,11 @@ impl Elimination {
             .map(|block| Supernode {
                 columns: begin[block.nodes.start]..begin[block.nodes.end],
                 parent: block.rows.first().map_or(NONE, |&row| owner[row as usize]),
-                rows: block.rows.iter().flat_map(|&row| begin[row as usize]..begin[row as usize + 1]).collect(),
+                rows: block
+                    .rows
+                    .iter()
+                    .flat_map(|&row| begin[row as usize]..begin[row as usize + 1])
+                    .collect(),
             })
             .collect();
         let squares = |node: &Supernode| -> f64 {
@@ -81,7 +89,11 @@ pub(super) fn couplings(pattern: &SymmetricPattern) -> (Vec<usize>, Vec<usize>) 
     let n = pattern.size();
     let mut first = vec![0; n + 1];
     let entries = || {
-        (0..n).flat_map(|column| pattern.rows[pattern.columns[column]..pattern.columns[column + 1]].iter().map(move |&row| (row, column)))
+        (0..n).flat_map(|column| {
+            pattern.rows[pattern.columns[column]..pattern.columns[column + 1]]
+                .iter()
+                .map(move |&row| (row, column))
+        })
     };
     for (row, column) in entries() {
         first[row + 1] += 1;
@@ -102,8 +114,8 @@ pub(super) fn couplings(pattern: &SymmetricPattern) -> (Vec<usize>, Vec<usize>) 
     (first, lists)
 }
 
-/// The same fill as in `order`, but every subtree of the elimination tree in one piece; and the parent of each place in the tree ([`NONE`] for
-/// a root).
+/// The same fill as in `order`, but every subtree of the elimination tree in one piece; and the
+/// parent of each place in the tree ([`NONE`] for a root).
 fn in_pieces<'a>(of: impl Fn(usize) -> &'a [usize], order: &[usize]) -> (Vec<usize>, Vec<usize>) {
     let n = order.len();
     let mut place = vec![0; n];
@@ -173,9 +185,14 @@ fn blocks<'a>(of: impl Fn(usize) -> &'a [usize], order: &[usize], parent: &[usiz
             }
         };
         of(order[k]).iter().for_each(|&other| meet(place[other]));
-        children[k].iter().for_each(|&child| blocks[ends[child]].rows.iter().for_each(|&row| meet(row as usize)));
+        children[k]
+            .iter()
+            .for_each(|&child| blocks[ends[child]].rows.iter().for_each(|&row| meet(row as usize)));
         match blocks.last_mut() {
-            Some(last) if children[k].last() == Some(&(last.nodes.end - 1)) && last.rows.len() == rows.len() + 1 => {
+            Some(last)
+                if children[k].last() == Some(&(last.nodes.end - 1))
+                    && last.rows.len() == rows.len() + 1 =>
+            {
                 last.nodes.end = k + 1;
                 last.rows = rows;
             }
@@ -190,22 +207,26 @@ fn blocks<'a>(of: impl Fn(usize) -> &'a [usize], order: &[usize], parent: &[usiz
 /// Blocks made larger at the price of a few zeros; `begin` is the first unknown of each node.
 fn joined(blocks: Vec<Block>, begin: &[usize]) -> Vec<Block> {
     let width = |nodes: &Range<usize>| begin[nodes.end] - begin[nodes.start];
-    let below = |rows: &[u32]| rows.iter().map(|&row| begin[row as usize + 1] - begin[row as usize]).sum::<usize>();
+    let below = |rows: &[u32]| {
+        rows.iter().map(|&row| begin[row as usize + 1] - begin[row as usize]).sum::<usize>()
+    };
     // With the rows below in unknowns, and the zeros stored.
     let mut out: Vec<(Block, usize, usize)> = Vec::new();
     for block in blocks {
         let below_it = below(&block.rows);
         let mut block = (block, below_it, 0);
         while let Some((before, below, zeros)) = out.last() {
-            let child =
-                before.nodes.end == block.0.nodes.start && before.rows.first().is_some_and(|&row| block.0.nodes.contains(&(row as usize)));
+            let child = before.nodes.end == block.0.nodes.start
+                && before.rows.first().is_some_and(|&row| block.0.nodes.contains(&(row as usize)));
             if !child {
                 break;
             }
             let (w, own) = (width(&before.nodes), width(&block.0.nodes));
             let zeros = zeros + block.2 + w * (own + block.1 - below);
             let all = (w + own) * (w + own + 1) / 2 + (w + own) * block.1;
-            let few = |&(most, share): &(usize, f64)| w + own <= most && zeros as f64 <= share * all as f64;
+            let few = |&(most, share): &(usize, f64)| {
+                w + own <= most && zeros as f64 <= share * all as f64
+            };
             if !JOINED.iter().any(few) {
                 break;
             }
@@ -225,8 +246,10 @@ mod tests {
     /// A grid with a few long couplings, in groups of one to three unknowns.
     fn grid() -> Groups {
         let at = |x: usize, y: usize| y * 13 + x;
-        let mut elements: Vec<Vec<usize>> =
-            (0..12 * 12).map(|c| (c % 12, c / 12)).map(|(x, y)| vec![at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)]).collect();
+        let mut elements: Vec<Vec<usize>> = (0..12 * 12)
+            .map(|c| (c % 12, c / 12))
+            .map(|(x, y)| vec![at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)])
+            .collect();
         elements.extend([vec![3, 150], vec![20, 90]]);
         let graph = SymmetricPattern::from_elements(13 * 13, elements.iter().map(Vec::as_slice));
         let mut next = 0;
@@ -249,12 +272,19 @@ mod tests {
         let found = Elimination::of(&groups, &order);
         let size = found.order.len();
         let (mut group_of, mut sorted) = (vec![NONE; size], found.order.clone());
-        groups.members.iter().enumerate().for_each(|(g, members)| members.iter().for_each(|&i| group_of[i] = g));
+        groups
+            .members
+            .iter()
+            .enumerate()
+            .for_each(|(g, members)| members.iter().for_each(|&i| group_of[i] = g));
         sorted.sort_unstable();
         assert!(sorted.into_iter().eq(0..size));
         // Elimination, entry by entry.
-        let coupled = |i: usize, j: usize| groups.graph.find(group_of[found.order[i]], group_of[found.order[j]]).is_some();
-        let mut filled: Vec<Vec<bool>> = (0..size).map(|i| (0..size).map(|j| coupled(i, j)).collect()).collect();
+        let coupled = |i: usize, j: usize| {
+            groups.graph.find(group_of[found.order[i]], group_of[found.order[j]]).is_some()
+        };
+        let mut filled: Vec<Vec<bool>> =
+            (0..size).map(|i| (0..size).map(|j| coupled(i, j)).collect()).collect();
         for k in 0..size {
             let after: Vec<usize> = (k + 1..size).filter(|&i| filled[i][k]).collect();
             after.iter().for_each(|&i| after.iter().for_each(|&j| filled[i][j] = true));
@@ -264,13 +294,20 @@ mod tests {
         for (s, node) in found.supernodes.iter().enumerate() {
             assert_eq!(node.columns.start, next);
             next = node.columns.end;
-            assert!(node.rows.windows(2).all(|two| two[0] < two[1]) && node.rows.iter().all(|&row| row >= next));
+            assert!(
+                node.rows.windows(2).all(|two| two[0] < two[1])
+                    && node.rows.iter().all(|&row| row >= next)
+            );
             match node.rows.first() {
                 None => assert_eq!(node.parent, NONE),
                 Some(row) => {
                     let parent = &found.supernodes[node.parent];
                     assert!(node.parent > s && parent.columns.contains(row));
-                    assert!(node.rows.iter().all(|row| parent.columns.contains(row) || parent.rows.contains(row)));
+                    assert!(
+                        node.rows
+                            .iter()
+                            .all(|row| parent.columns.contains(row) || parent.rows.contains(row))
+                    );
                 }
             }
             for column in node.columns.clone() {
@@ -280,9 +317,14 @@ mod tests {
             }
         }
         assert_eq!((next, found.operations), (size, operations));
-        let count = |all: &[Vec<bool>]| (0..size).map(|j| (j..size).filter(|&i| all[i][j]).count()).sum::<usize>();
+        let count = |all: &[Vec<bool>]| {
+            (0..size).map(|j| (j..size).filter(|&i| all[i][j]).count()).sum::<usize>()
+        };
         assert!((0..size).all(|j| (j..size).all(|i| stored[i][j] || !filled[i][j])));
         let (stored, filled) = (count(&stored), count(&filled));
-        assert!(stored >= filled && (stored as f64) < 1.25 * filled as f64, "{stored} for {filled}");
+        assert!(
+            stored >= filled && (stored as f64) < 1.25 * filled as f64,
+            "{stored} for {filled}"
+        );
     }
 }

@@ -1,19 +1,24 @@
-//! The numeric part of a sparse Cholesky factorisation by dense fronts (Duff & Reid 1983; Liu 1992), in parallel over the subtrees
-//! of the elimination tree and inside large fronts.
+//! The numeric part of a sparse Cholesky factorisation by dense fronts (Duff & Reid 1983; Liu
+//! 1992), in parallel over the subtrees of the elimination tree and inside large fronts.
 //!
-//! Each supernode (columns with the same rows below them) gathers its entries of the matrix and what its children leave it,
-//! factorises its columns, and leaves the rest of its front to its parent. Whatever the number of threads, the same sums are made
-//! in the same order: children add up as they are numbered, and large fronts are divided into blocks of a fixed width.
+//! Each supernode (columns with the same rows below them) gathers its entries of the matrix and
+//! what its children leave it, factorises its columns, and leaves the rest of its front to its
+//! parent. Whatever the number of threads, the same sums are made in the same order: children add
+//! up as they are numbered, and large fronts are divided into blocks of a fixed width.
 
 use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::cholesky::llt::factor::{
+    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::prelude::{Reborrow, ReborrowMut};
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 use rayon::prelude::*;
@@ -21,10 +26,11 @@ use rayon::prelude::*;
 use super::elimination::{self, Elimination};
 use super::sparse::SymmetricPattern;
 
-/// Width of the blocks of columns into which large fronts are divided, and rows that are solved for at once.
+/// Width of the blocks of columns into which large fronts are divided, and rows that are solved for
+/// at once.
 const BLOCK: usize = 192;
-/// Floating-point operations from which on subtrees are worth a thread, and their least share of all of them: no more than so many can
-/// wait for each other.
+/// Floating-point operations from which on subtrees are worth a thread, and their least share of
+/// all of them: no more than so many can wait for each other.
 const WORTH_A_THREAD: f64 = 4e6;
 const LEAST_SHARE: f64 = 1.0 / 256.0;
 /// Entries up to which what a front leaves is written where another left something before.
@@ -37,7 +43,8 @@ pub(super) struct Fronts {
     roots: Vec<usize>,
     /// `[n]` the unknown that goes first, the one after it, …
     order: Vec<usize>,
-    /// Where the entries of the matrix are in its values and go in the panel of their supernode, supernode after supernode.
+    /// Where the entries of the matrix are in its values and go in the panel of their supernode,
+    /// supernode after supernode.
     entries: Vec<(u32, u32)>,
     factor: Vec<f64>,
     /// Memory for what small fronts leave.
@@ -51,7 +58,8 @@ struct Supernode {
     columns: Range<usize>,
     /// Rows below them.
     rows: Vec<usize>,
-    /// Where its panel, `width + below` rows by `width` columns, is in the factor; and where that of the first in its subtree begins.
+    /// Where its panel, `width + below` rows by `width` columns, is in the factor; and where that
+    /// of the first in its subtree begins.
     panel: Range<usize>,
     subtree_start: usize,
     /// The first in its subtree; the others follow, itself the last.
@@ -100,7 +108,9 @@ impl Fronts {
             supernodes.push(Supernode {
                 columns: node.columns.clone(),
                 rows: node.rows.clone(),
-                subtree_start: children.first().map_or(panel.start, |&child| supernodes[child].subtree_start),
+                subtree_start: children
+                    .first()
+                    .map_or(panel.start, |&child| supernodes[child].subtree_start),
                 first: children.first().map_or(s, |&child| supernodes[child].first),
                 panel,
                 work: own + children.iter().map(|&child| supernodes[child].work).sum::<f64>(),
@@ -127,7 +137,12 @@ impl Fronts {
     pub(super) fn factorise(&mut self, values: &[f64]) -> bool {
         let mut factor = std::mem::take(&mut self.factor);
         let work: f64 = self.roots.iter().map(|&root| self.supernodes[root].work).sum();
-        let run = Run { fronts: self, values, worth: WORTH_A_THREAD.max(work * LEAST_SHARE), failed: AtomicBool::new(false) };
+        let run = Run {
+            fronts: self,
+            values,
+            worth: WORTH_A_THREAD.max(work * LEAST_SHARE),
+            failed: AtomicBool::new(false),
+        };
         run.subtrees(&self.roots, &mut factor, 0);
         let failed = run.failed.into_inner();
         self.factor = factor;
@@ -141,10 +156,18 @@ impl Fronts {
         for node in supernodes.iter() {
             let (top, bottom) = node.factor(factor);
             let (width, below) = node.size();
-            let mut here = MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
+            let mut here =
+                MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
             solve_lower_triangular_in_place(top, here.rb_mut(), Par::Seq);
             let part = &mut part[..below];
-            matmul(MatMut::from_column_major_slice_mut(part, below, 1), Accum::Replace, bottom, here.rb(), 1.0, Par::Seq);
+            matmul(
+                MatMut::from_column_major_slice_mut(part, below, 1),
+                Accum::Replace,
+                bottom,
+                here.rb(),
+                1.0,
+                Par::Seq,
+            );
             node.rows.iter().zip(part).for_each(|(&row, value)| right[row] -= *value);
         }
         for node in supernodes.iter().rev() {
@@ -152,7 +175,8 @@ impl Fronts {
             let (width, below) = node.size();
             let part = &mut part[..below];
             node.rows.iter().zip(part.iter_mut()).for_each(|(&row, value)| *value = right[row]);
-            let mut here = MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
+            let mut here =
+                MatMut::from_column_major_slice_mut(&mut right[node.columns.clone()], width, 1);
             let part = MatRef::from_column_major_slice(part, below, 1);
             matmul(here.rb_mut(), Accum::Add, bottom.transpose(), part, -1.0, Par::Seq);
             solve_upper_triangular_in_place(top.transpose(), here, Par::Seq);
@@ -167,10 +191,12 @@ impl Supernode {
         (self.columns.len(), self.rows.len())
     }
 
-    /// Adds what it left to `columns` of its parent's front, of which `out` holds the last `height` rows.
+    /// Adds what it left to `columns` of its parent's front, of which `out` holds the last `height`
+    /// rows.
     fn add_to_parent(&self, left: &[f64], columns: Range<usize>, out: &mut [f64], height: usize) {
         let below = self.rows.len();
-        // Rows of the front above those in `out`: all that is stored begins with the first column's diagonal.
+        // Rows of the front above those in `out`: all that is stored begins with the first column's
+        // diagonal.
         let above = columns.start;
         for (p, piece) in self.in_parent.iter().enumerate() {
             for k in 0..piece.length {
@@ -180,10 +206,15 @@ impl Supernode {
                 let out = &mut out[(piece.to + k - above) * height..][..height];
                 let left = &left[(piece.from + k) * below..][..below];
                 let mut add = |from: usize, to: usize, length: usize| {
-                    out[to - above..][..length].iter_mut().zip(&left[from..][..length]).for_each(|(out, left)| *out += left);
+                    out[to - above..][..length]
+                        .iter_mut()
+                        .zip(&left[from..][..length])
+                        .for_each(|(out, left)| *out += left);
                 };
                 add(piece.from + k, piece.to + k, piece.length - k);
-                self.in_parent[p + 1..].iter().for_each(|piece| add(piece.from, piece.to, piece.length));
+                self.in_parent[p + 1..]
+                    .iter()
+                    .for_each(|piece| add(piece.from, piece.to, piece.length));
             }
         }
     }
@@ -191,7 +222,8 @@ impl Supernode {
     /// Its part of the factor: its columns' triangle, and the rows below it.
     fn factor<'a>(&self, factor: &'a [f64]) -> (MatRef<'a, f64>, MatRef<'a, f64>) {
         let (width, below) = self.size();
-        MatRef::from_column_major_slice(&factor[self.panel.clone()], width + below, width).split_at_row(width)
+        MatRef::from_column_major_slice(&factor[self.panel.clone()], width + below, width)
+            .split_at_row(width)
     }
 }
 
@@ -214,16 +246,25 @@ fn pieces(rows: &[usize], parent: &elimination::Supernode) -> Vec<Piece> {
 }
 
 /// Sorts the entries of the matrix by supernode and finds their places in the panels.
-fn place_entries(pattern: &SymmetricPattern, order: &[usize], supernodes: &mut [Supernode]) -> Vec<(u32, u32)> {
+fn place_entries(
+    pattern: &SymmetricPattern,
+    order: &[usize],
+    supernodes: &mut [Supernode],
+) -> Vec<(u32, u32)> {
     let n = order.len();
     let mut place = vec![0; n];
     order.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = k);
-    let all = || (0..n).flat_map(|column| (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot)));
+    let all = || {
+        (0..n).flat_map(|column| {
+            (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot))
+        })
+    };
     let at = |column: usize, slot: usize| {
         let (p, q) = (place[column], place[pattern.rows[slot]]);
         (p.min(q), p.max(q))
     };
-    // Entries by column: first the slot and the row, then, supernode after supernode, the place in the panel for the row.
+    // Entries by column: first the slot and the row, then, supernode after supernode, the place in
+    // the panel for the row.
     let mut end = vec![0; n + 1];
     all().for_each(|(column, slot)| end[at(column, slot).0 + 1] += 1);
     (0..n).for_each(|k| end[k + 1] += end[k]);
@@ -259,19 +300,29 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Factorises the subtrees of some siblings, whose part of the factor is `factor`, from `offset` on. Returns what each leaves
-    /// to the parent: a lower triangle, `below` by `below`, column by column.
+    /// Factorises the subtrees of some siblings, whose part of the factor is `factor`, from
+    /// `offset` on. Returns what each leaves to the parent: a lower triangle, `below` by `below`,
+    /// column by column.
     fn subtrees(&self, siblings: &[usize], factor: &mut [f64], offset: usize) -> Vec<Vec<f64>> {
         let supernodes = &self.fronts.supernodes;
         let work: f64 = siblings.iter().map(|&s| supernodes[s].work).sum();
         if siblings.len() < 2 || work < self.worth {
-            let part = |&s: &usize| self.subtree(s, &mut factor[supernodes[s].subtree_start - offset..supernodes[s].panel.end - offset]);
+            let part = |&s: &usize| {
+                self.subtree(
+                    s,
+                    &mut factor
+                        [supernodes[s].subtree_start - offset..supernodes[s].panel.end - offset],
+                )
+            };
             return siblings.iter().map(part).collect();
         }
         let (left, right) = siblings.split_at(siblings.len() / 2);
         let middle = supernodes[right[0]].subtree_start;
         let (first, second) = factor.split_at_mut(middle - offset);
-        let (mut left, right) = rayon::join(|| self.subtrees(left, first, offset), || self.subtrees(right, second, middle));
+        let (mut left, right) = rayon::join(
+            || self.subtrees(left, first, offset),
+            || self.subtrees(right, second, middle),
+        );
         left.extend(right);
         left
     }
@@ -283,7 +334,8 @@ impl Run<'_> {
         if supernodes[s].work < self.worth {
             return self.one_by_one(s, factor, offset);
         }
-        // Down along the child with most work while nothing beside it is worth a thread. For a ribbon that way is as long as the ribbon.
+        // Down along the child with most work while nothing beside it is worth a thread. For a
+        // ribbon that way is as long as the ribbon.
         let (mut way, mut bottom) = (Vec::new(), s);
         while let Some(child) = self.only_worth(bottom) {
             way.push(bottom);
@@ -294,7 +346,13 @@ impl Run<'_> {
         let left = self.subtrees(&node.children, inside, node.subtree_start);
         let mut last = self.front(bottom, left, factor, offset);
         for &s in way.iter().rev() {
-            let mut of = |&child: &usize| if child == bottom { std::mem::take(&mut last) } else { self.one_by_one(child, factor, offset) };
+            let mut of = |&child: &usize| {
+                if child == bottom {
+                    std::mem::take(&mut last)
+                } else {
+                    self.one_by_one(child, factor, offset)
+                }
+            };
             let left = supernodes[s].children.iter().map(&mut of).collect();
             last = self.front(s, left, factor, offset);
             bottom = s;
@@ -307,11 +365,13 @@ impl Run<'_> {
         let work = |child: usize| self.fronts.supernodes[child].work;
         let children = &self.fronts.supernodes[s].children;
         let most = children.iter().copied().max_by(|&a, &b| work(a).total_cmp(&work(b)))?;
-        let others: f64 = children.iter().filter(|&&child| child != most).map(|&child| work(child)).sum();
+        let others: f64 =
+            children.iter().filter(|&&child| child != most).map(|&child| work(child)).sum();
         (work(most) >= self.worth && others < self.worth).then_some(most)
     }
 
-    /// Factorises the subtree of `s` on this thread; `factor` begins at `offset`. Returns what it leaves to its parent.
+    /// Factorises the subtree of `s` on this thread; `factor` begins at `offset`. Returns what it
+    /// leaves to its parent.
     fn one_by_one(&self, s: usize, factor: &mut [f64], offset: usize) -> Vec<f64> {
         let mut left = Vec::new();
         for node in self.fronts.supernodes[s].first..=s {
@@ -321,7 +381,8 @@ impl Run<'_> {
         left.pop().unwrap_or_default()
     }
 
-    /// Factorises one front, to which its children leave `left`; `factor` begins at `offset`. Returns what it leaves to its parent.
+    /// Factorises one front, to which its children leave `left`; `factor` begins at `offset`.
+    /// Returns what it leaves to its parent.
     fn front(&self, s: usize, left: Vec<Vec<f64>>, factor: &mut [f64], offset: usize) -> Vec<f64> {
         if self.failed.load(Ordering::Relaxed) {
             return Vec::new();
@@ -354,7 +415,11 @@ impl Run<'_> {
 
     /// Memory with any values.
     fn room(&self, length: usize) -> Vec<f64> {
-        let spare = if length <= SMALL { self.fronts.spare.lock().ok().and_then(|mut spare| spare.pop()) } else { None };
+        let spare = if length <= SMALL {
+            self.fronts.spare.lock().ok().and_then(|mut spare| spare.pop())
+        } else {
+            None
+        };
         let mut room = spare.unwrap_or_default();
         room.resize(length, 0.0);
         room
@@ -369,19 +434,31 @@ impl Run<'_> {
     }
 }
 
-/// Replaces the columns of a front by those of its factor, block after block. Returns whether they are positive definite.
+/// Replaces the columns of a front by those of its factor, block after block. Returns whether they
+/// are positive definite.
 fn factorise_panel(panel: MatMut<'_, f64>) -> bool {
     let width = panel.ncols();
     let block = width.min(BLOCK);
     let (columns, mut after) = panel.split_at_col_mut(block);
     let (mut top, mut bottom) = columns.split_at_row_mut(block);
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(block, Par::Seq, Spec::default()));
+    let mut memory =
+        MemBuffer::new(cholesky_in_place_scratch::<f64>(block, Par::Seq, Spec::default()));
     let stack = MemStack::new(&mut memory);
-    if cholesky_in_place(top.rb_mut(), LltRegularization::default(), Par::Seq, stack, Spec::default()).is_err() {
+    if cholesky_in_place(
+        top.rb_mut(),
+        LltRegularization::default(),
+        Par::Seq,
+        stack,
+        Spec::default(),
+    )
+    .is_err()
+    {
         return false;
     }
     let top = top.rb();
-    let solve = |rows: MatMut<'_, f64>| solve_lower_triangular_in_place(top, rows.transpose_mut(), Par::Seq);
+    let solve = |rows: MatMut<'_, f64>| {
+        solve_lower_triangular_in_place(top, rows.transpose_mut(), Par::Seq)
+    };
     if bottom.nrows() <= BLOCK {
         solve(bottom.rb_mut());
     } else {
@@ -395,14 +472,25 @@ fn factorise_panel(panel: MatMut<'_, f64>) -> bool {
     factorise_panel(after)
 }
 
-/// `out −= l·lᵀ`, or `out = −l·lᵀ`, on the lower triangle of as many columns as `out` has; what is above it is not touched or meaningless.
+/// `out −= l·lᵀ`, or `out = −l·lᵀ`, on the lower triangle of as many columns as `out` has; what is
+/// above it is not touched or meaningless.
 fn subtract_square(out: MatMut<'_, f64>, accum: Accum, l: MatRef<'_, f64>) {
     let one = |(first, out): (usize, MatMut<'_, f64>)| {
         let l = l.split_at_row(first).1;
         let (across, low) = l.split_at_row(out.ncols());
         let (top, rest) = out.split_at_row_mut(across.nrows());
         let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        triangular::matmul(top, lower, accum, across, full, across.transpose(), full, -1.0, Par::Seq);
+        triangular::matmul(
+            top,
+            lower,
+            accum,
+            across,
+            full,
+            across.transpose(),
+            full,
+            -1.0,
+            Par::Seq,
+        );
         if low.nrows() > 0 {
             matmul(rest, accum, low, across.transpose(), -1.0, Par::Seq);
         }

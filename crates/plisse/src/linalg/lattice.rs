@@ -1,8 +1,10 @@
-//! Closest integer vectors: minimise (z − c)ᵀ M (z − c) over integer z for a small positive definite M.
+//! Closest integer vectors: minimise (z − c)ᵀ M (z − c) over integer z for a small positive
+//! definite M.
 //!
-//! Exact by enumeration (Schnorr & Euchner 1994) as long as the search stays under a budget of nodes; beyond it the best
-//! vector found so far is returned, and said to be so. Enumeration visits nearest integers first, so the first leaf is
-//! Babai's plane rounding, and the result is never worse than that.
+//! Exact by enumeration (Schnorr & Euchner 1994) as long as the search stays under a budget of
+//! nodes; beyond it the best vector found so far is returned, and said to be so. Enumeration visits
+//! nearest integers first, so the first leaf is Babai's plane rounding, and the result is never
+//! worse than that.
 
 /// A vector of integers near a target.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,8 +17,9 @@ pub struct Closest {
     pub exact: bool,
 }
 
-/// The integers nearest to `target` (`[n]`) in the metric `m` (`[n][n]`, row by row, symmetric positive definite; a pivot
-/// that is not positive counts as a direction without weight and is rounded on its own).
+/// The integers nearest to `target` (`[n]`) in the metric `m` (`[n][n]`, row by row, symmetric
+/// positive definite; a pivot that is not positive counts as a direction without weight and is
+/// rounded on its own).
 pub fn closest_integers(m: &[f64], target: &[f64], node_budget: usize) -> Closest {
     let n = target.len();
     // M = Rᵀ R with R upper triangular.
@@ -37,7 +40,14 @@ pub fn closest_integers(m: &[f64], target: &[f64], node_budget: usize) -> Closes
             r[i * n + j] = s / d;
         }
     }
-    let mut search = Search { r: &r, target, z: vec![0; n], best: Vec::new(), best_distance: f64::INFINITY, nodes: node_budget };
+    let mut search = Search {
+        r: &r,
+        target,
+        z: vec![0; n],
+        best: Vec::new(),
+        best_distance: f64::INFINITY,
+        nodes: node_budget,
+    };
     search.descend(n, 0.0);
     let exact = search.nodes > 0;
     Closest { integers: search.best, distance_squared: search.best_distance, exact }
@@ -74,7 +84,8 @@ impl Search<'_> {
         let side = if centre >= nearest { 1.0 } else { -1.0 };
         let mut k = 0_i64;
         loop {
-            let offset = if k % 2 == 1 { side * ((k + 1) / 2) as f64 } else { -side * (k / 2) as f64 };
+            let offset =
+                if k % 2 == 1 { side * ((k + 1) / 2) as f64 } else { -side * (k / 2) as f64 };
             let value = nearest + offset;
             let here = distance + (d * (value - centre)).powi(2);
             if here >= self.best_distance {
@@ -123,15 +134,19 @@ mod tests {
             let mut m = vec![0.0; n * n];
             for i in 0..n {
                 for j in 0..n {
-                    m[i * n + j] = (0..n).map(|k| value(i * n + k) * value(j * n + k)).sum::<f64>() + if i == j { 0.02 } else { 0.0 };
+                    m[i * n + j] = (0..n).map(|k| value(i * n + k) * value(j * n + k)).sum::<f64>()
+                        + if i == j { 0.02 } else { 0.0 };
                 }
             }
             let target: Vec<f64> = (0..n).map(|i| 3.0 * value(100 + i)).collect();
             let found = closest_integers(&m, &target, 1_000_000);
             let mut best = f64::INFINITY;
             for code in 0..13_usize.pow(4) {
-                let z: Vec<f64> = (0..n).map(|i| ((code / 13_usize.pow(i as u32)) % 13) as f64 - 6.0 - target[i]).collect();
-                let cost: f64 = (0..n).map(|i| (0..n).map(|j| z[i] * m[i * n + j] * z[j]).sum::<f64>()).sum();
+                let z: Vec<f64> = (0..n)
+                    .map(|i| ((code / 13_usize.pow(i as u32)) % 13) as f64 - 6.0 - target[i])
+                    .collect();
+                let cost: f64 =
+                    (0..n).map(|i| (0..n).map(|j| z[i] * m[i * n + j] * z[j]).sum::<f64>()).sum();
                 best = best.min(cost);
             }
             assert!(found.exact && found.distance_squared <= best + 1e-12, "case {case}");

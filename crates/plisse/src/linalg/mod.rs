@@ -1,7 +1,8 @@
-//! Numerical ground floor: symmetric sparse matrices assembled from elements ([`sparse`], `by_vertex`), their Cholesky factorisation with
-//! a symbolic part that is made once ([`cholesky`], over `ordering`, [`dissection`], `elimination` and `fronts`), bound-constrained Newton ([`newton`], its directions by `descent`),
-//! small dense eigenproblems ([`small`]), closest integer vectors ([`lattice`]), and derivative checks for tests
-//! (`derivative_check`).
+//! Numerical ground floor: symmetric sparse matrices assembled from elements ([`sparse`],
+//! `by_vertex`), their Cholesky factorisation with a symbolic part that is made once ([`cholesky`],
+//! over `ordering`, [`dissection`], `elimination` and `fronts`), bound-constrained Newton
+//! ([`newton`], its directions by `descent`), small dense eigenproblems ([`small`]), closest
+//! integer vectors ([`lattice`]), and derivative checks for tests (`derivative_check`).
 
 pub(crate) mod by_vertex;
 pub mod cholesky;

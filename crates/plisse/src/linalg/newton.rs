@@ -1,11 +1,15 @@
-//! Projected Newton: minimise a smooth energy under lower bounds on some unknowns, with one sparse Cholesky per iteration.
+//! Projected Newton: minimise a smooth energy under lower bounds on some unknowns, with one sparse
+//! Cholesky per iteration.
 //!
-//! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982); the others take a Newton step that is
-//! projected back onto the bounds along a line search, which goes back where the step is too long and on where the energy falls
-//! faster than foreseen. Far from the minimum the element Hessians are made positive semidefinite; near it the true Hessian is tried,
-//! which gives quadratic convergence (`descent`). Everything is expected to be without unit and of order one, so that no tolerance mixes units.
+//! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982); the others take
+//! a Newton step that is projected back onto the bounds along a line search, which goes back where
+//! the step is too long and on where the energy falls faster than foreseen. Far from the minimum
+//! the element Hessians are made positive semidefinite; near it the true Hessian is tried, which
+//! gives quadratic convergence (`descent`). Everything is expected to be without unit and of order
+//! one, so that no tolerance mixes units.
 //!
-//! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put them right.
+//! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put
+//! them right.
 
 use super::descent::{Descent, Wanted};
 use super::elimination::Groups;
@@ -15,13 +19,14 @@ use super::sparse::SymmetricPattern;
 use crate::Result;
 use crate::progress::{Observer, Step};
 
-/// Share of the largest diagonal entry that is added after the first short step (Levenberg–Marquardt).
+/// Share of the largest diagonal entry that is added after the first short step
+/// (Levenberg–Marquardt).
 const FIRST_DAMPING: f64 = 1e-8;
 /// The same at most, where walls ([`Problem::longest_step`]) and not the energy cut steps short.
 const MOST_WALL_DAMPING: f64 = 1e-4;
 
-/// A whole step along which the energy falls by more than this share of its slope (half of it, if the energy bends as the model does) is too
-/// short: then multiples of it are tried, up to so many.
+/// A whole step along which the energy falls by more than this share of its slope (half of it, if
+/// the energy bends as the model does) is too short: then multiples of it are tried, up to so many.
 const LESS_BENT: f64 = 0.7;
 const LONGEST_STEP: f64 = 64.0;
 
@@ -39,23 +44,26 @@ pub trait Problem: Send {
     fn energy(&mut self, x: &[f64]) -> f64;
     /// The energy at `x` and its gradient; remembers `x` for [`Problem::hessian`].
     fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
-    /// Adds to `out` (`[n]`) what the Hessian does to `x` (`[n]`) beyond its values on [`Problem::pattern`], if the pattern leaves
-    /// small, far couplings out; the values must then bound the whole Hessian from above. Returns whether there is anything.
+    /// Adds to `out` (`[n]`) what the Hessian does to `x` (`[n]`) beyond its values on
+    /// [`Problem::pattern`], if the pattern leaves small, far couplings out; the values must then
+    /// bound the whole Hessian from above. Returns whether there is anything.
     fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
         let _ = (x, out);
         false
     }
-    /// The longest part (0 to 1) of the step `direction` from `x`, where the problem was last evaluated, that may be tried, where the energy has
-    /// walls (contact).
+    /// The longest part (0 to 1) of the step `direction` from `x`, where the problem was last
+    /// evaluated, that may be tried, where the energy has walls (contact).
     fn longest_step(&mut self, x: &[f64], direction: &[f64]) -> f64 {
         let _ = (x, direction);
         1.0
     }
-    /// The new pattern, if unknowns came to be coupled (contact) that were not before; asked after [`Problem::linearise`].
+    /// The new pattern, if unknowns came to be coupled (contact) that were not before; asked after
+    /// [`Problem::linearise`].
     fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
         None
     }
-    /// Which unknowns are better eliminated together (the coordinates of a vertex) on the pattern as it is now; `None` if that is not known.
+    /// Which unknowns are better eliminated together (the coordinates of a vertex) on the pattern
+    /// as it is now; `None` if that is not known.
     fn groups(&self) -> Option<Groups> {
         None
     }
@@ -72,18 +80,21 @@ pub struct Options {
     pub iteration_limit: usize,
     /// The step ends when no component of the projected gradient is larger.
     pub tolerance: f64,
-    /// The step ends, too, with a Newton step of the true Hessian, positive definite, that was to lower the energy by less; 0 for never.
-    /// (By energy and not by gradient, so that what costs next to nothing, such as phases where there is hardly an amplitude, does not count.)
+    /// The step ends, too, with a Newton step of the true Hessian, positive definite, that was to
+    /// lower the energy by less; 0 for never. (By energy and not by gradient, so that what costs
+    /// next to nothing, such as phases where there is hardly an amplitude, does not count.)
     pub least_fall: f64,
     /// How element Hessians are treated until the true Hessian is positive definite.
     pub convexity: Convexity,
-    /// Share of the largest diagonal entry that is added to each, so that directions without stiffness do not move.
+    /// Share of the largest diagonal entry that is added to each, so that directions without
+    /// stiffness do not move.
     pub ridge: f64,
-    /// Whether a minimum near to the start is wanted, as where a surface is followed while it grows, and not any that is low: then no step goes
-    /// on, and steps are those of the true Hessian or of the convex one.
+    /// Whether a minimum near to the start is wanted, as where a surface is followed while it
+    /// grows, and not any that is low: then no step goes on, and steps are those of the true
+    /// Hessian or of the convex one.
     pub nearest: bool,
-    /// Whether to ask, where the gradient vanishes, that the energy be least there too, and to go on along a direction of negative
-    /// curvature if it is not. For problems without lower bounds.
+    /// Whether to ask, where the gradient vanishes, that the energy be least there too, and to go
+    /// on along a direction of negative curvature if it is not. For problems without lower bounds.
     pub leave_saddles: bool,
     /// Joules in one unit of energy, for the observer.
     pub energy_unit_joule: f64,
@@ -92,9 +103,11 @@ pub struct Options {
 /// How a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// The projected gradient is below the tolerance, or nothing is to be gained by a step ([`Options::least_fall`]).
+    /// The projected gradient is below the tolerance, or nothing is to be gained by a step
+    /// ([`Options::least_fall`]).
     Converged,
-    /// No step lowers the energy any more; the projected gradient is as small as rounding lets it become.
+    /// No step lowers the energy any more; the projected gradient is as small as rounding lets it
+    /// become.
     RoundOff,
     /// The iteration limit was reached first.
     IterationLimit,
@@ -119,7 +132,8 @@ pub struct Outcome {
     pub ending: Ending,
 }
 
-/// The part of a gradient component that a lower bound leaves: zero where it pushes against the bound.
+/// The part of a gradient component that a lower bound leaves: zero where it pushes against the
+/// bound.
 pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
     if x <= lower { gradient.min(0.0) } else { gradient }
 }
@@ -128,14 +142,22 @@ pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
 ///
 /// # Errors
 /// Only if the factorisation's memory cannot be had.
-pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, observer: &dyn Observer) -> Result<Outcome> {
+pub fn minimise(
+    problem: &mut dyn Problem,
+    start: &[f64],
+    options: &Options,
+    observer: &dyn Observer,
+) -> Result<Outcome> {
     let n = start.len();
     let lower = problem.lower_bounds();
     let groups = problem.groups();
     let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
     let mut gradient = vec![0.0; n];
     let pattern = problem.pattern();
-    let (descent, mut energy) = rayon::join(|| Descent::new(pattern, groups, options.nearest), || problem.linearise(&x, &mut gradient));
+    let (descent, mut energy) = rayon::join(
+        || Descent::new(pattern, groups, options.nearest),
+        || problem.linearise(&x, &mut gradient),
+    );
     let mut descent = descent?;
     let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut held = vec![false; n];
@@ -168,7 +190,13 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
         for i in 0..n {
             held[i] = x[i] <= lower[i] + near && gradient[i] > 0.0;
         }
-        let wanted = Wanted { convexity: options.convexity, settled, damping, held: &held, gradient: &gradient };
+        let wanted = Wanted {
+            convexity: options.convexity,
+            settled,
+            damping,
+            held: &held,
+            gradient: &gradient,
+        };
         let solved = descent.find(problem, &wanted, &mut direction);
         let exact = solved && settled && damping <= options.ridge && descent.exact();
         let last = exact && fall(&x, &lower, &gradient, &direction) < options.least_fall;
@@ -186,7 +214,9 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                 if slope.abs() < 1e-13 * energy.abs() {
                     let trial_energy = problem.linearise(&trial, &mut trial_gradient);
                     let trial_residual = largest_projected(&trial, &lower, &trial_gradient);
-                    if trial_residual < 0.9 * residual && trial_energy <= energy + 1e-13 * energy.abs() {
+                    if trial_residual < 0.9 * residual
+                        && trial_energy <= energy + 1e-13 * energy.abs()
+                    {
                         accepted = true;
                         energy = trial_energy.min(energy);
                     }
@@ -195,8 +225,9 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                 let mut trial_energy = problem.energy(&trial);
                 if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
                     accepted = true;
-                    // A short step says that the model reaches too far, e.g. that a slack face would be pulled taut; or that there is a
-                    // wall: then some damping keeps the rest from sliding along it, and more would keep it from moving at all.
+                    // A short step says that the model reaches too far, e.g. that a slack face
+                    // would be pulled taut; or that there is a wall: then some damping keeps the
+                    // rest from sliding along it, and more would keep it from moving at all.
                     let more = (damping * 100.0).max(FIRST_DAMPING);
                     if length < 0.3 * longest {
                         damping = more;
@@ -205,8 +236,20 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
                     } else if length == 1.0 {
                         damping = (damping * 0.1).max(options.ridge);
                     }
-                    if length == 1.0 && settled && !options.nearest && trial_energy < energy + LESS_BENT * slope {
-                        trial_energy = go_on(problem, &x, &direction, &lower, trial_energy, &mut trial, &mut trial_gradient);
+                    if length == 1.0
+                        && settled
+                        && !options.nearest
+                        && trial_energy < energy + LESS_BENT * slope
+                    {
+                        trial_energy = go_on(
+                            problem,
+                            &x,
+                            &direction,
+                            &lower,
+                            trial_energy,
+                            &mut trial,
+                            &mut trial_gradient,
+                        );
                     }
                     settled = energy - trial_energy < 1e-2 * energy.abs();
                     break;
@@ -241,8 +284,8 @@ pub fn minimise(problem: &mut dyn Problem, start: &[f64], options: &Options, obs
     Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
 }
 
-/// If it is asked for and the Hessian where the problem was last linearised, at `x`, is not positive definite: `trial` lower down; tells
-/// whether there is one.
+/// If it is asked for and the Hessian where the problem was last linearised, at `x`, is not
+/// positive definite: `trial` lower down; tells whether there is one.
 fn leave(
     problem: &mut dyn Problem,
     descent: &mut Descent,
@@ -260,8 +303,15 @@ fn leave(
     way.is_some_and(|way| step_down(problem, x, energy, &way, trial))
 }
 
-/// Goes from the saddle `x` along `way` (either sign) as far as the energy falls well below `energy`; tells whether it does at all.
-fn step_down(problem: &mut dyn Problem, x: &[f64], energy: f64, way: &[f64], trial: &mut [f64]) -> bool {
+/// Goes from the saddle `x` along `way` (either sign) as far as the energy falls well below
+/// `energy`; tells whether it does at all.
+fn step_down(
+    problem: &mut dyn Problem,
+    x: &[f64],
+    energy: f64,
+    way: &[f64],
+    trial: &mut [f64],
+) -> bool {
     let direction: Vec<f64> = way.iter().map(|w| w * LONGEST_LEAVE).collect();
     let mut length = problem.longest_step(x, &direction);
     let mut least = (energy - 1e-13 * energy.abs(), 0.0);
@@ -283,8 +333,9 @@ fn step_down(problem: &mut dyn Problem, x: &[f64], energy: f64, way: &[f64], tri
     least.1 > 0.0
 }
 
-/// From `trial`, the end of the whole step `direction` from `x`, where the energy is `energy`: to twice, four times, … that step, as long as the
-/// energy falls and no wall is met. Returns the energy at the new `trial`; `farther` is room for one more.
+/// From `trial`, the end of the whole step `direction` from `x`, where the energy is `energy`: to
+/// twice, four times, … that step, as long as the energy falls and no wall is met. Returns the
+/// energy at the new `trial`; `farther` is room for one more.
 fn go_on(
     problem: &mut dyn Problem,
     x: &[f64],
@@ -314,7 +365,8 @@ fn go_on(
 
 /// How much a quadratic energy falls by its Newton step `direction` from `x`.
 fn fall(x: &[f64], lower: &[f64], gradient: &[f64], direction: &[f64]) -> f64 {
-    let slope: f64 = (0..x.len()).map(|i| gradient[i] * ((x[i] + direction[i]).max(lower[i]) - x[i])).sum();
+    let slope: f64 =
+        (0..x.len()).map(|i| gradient[i] * ((x[i] + direction[i]).max(lower[i]) - x[i])).sum();
     -0.5 * slope
 }
 
@@ -373,13 +425,15 @@ mod tests {
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
-        let outcome = minimise(&mut Valley { hessian: [0.0; 3] }, &[4.0, -3.0], &options, &Silent).unwrap();
+        let outcome =
+            minimise(&mut Valley { hessian: [0.0; 3] }, &[4.0, -3.0], &options, &Silent).unwrap();
         assert_eq!(outcome.ending, Ending::Converged);
         assert_eq!(outcome.x[0], 1.5);
         assert!((outcome.x[1] - 2.25).abs() < 1e-12, "{:?}", outcome.x);
     }
 
-    /// A stiff chain on a soft foundation that couples everything with everything; only the chain is in the pattern.
+    /// A stiff chain on a soft foundation that couples everything with everything; only the chain
+    /// is in the pattern.
     struct Chain {
         n: usize,
         left_out: bool,
@@ -452,10 +506,18 @@ mod tests {
             leave_saddles: false,
             energy_unit_joule: 1.0,
         };
-        let steps = |left_out| minimise(&mut Chain { n: 400, left_out }, &[0.0; 400], &options, &Silent).unwrap();
-        // The energy is quadratic: a few Newton steps, the later the more exactly solved; without the inner solve many.
+        let steps = |left_out| {
+            minimise(&mut Chain { n: 400, left_out }, &[0.0; 400], &options, &Silent).unwrap()
+        };
+        // The energy is quadratic: a few Newton steps, the later the more exactly solved; without
+        // the inner solve many.
         let (whole, bound) = (steps(true), steps(false));
-        assert!(whole.iterations <= 6 && bound.iterations > 2 * whole.iterations, "{} {}", whole.iterations, bound.iterations);
+        assert!(
+            whole.iterations <= 6 && bound.iterations > 2 * whole.iterations,
+            "{} {}",
+            whole.iterations,
+            bound.iterations
+        );
         assert!(whole.x.iter().zip(&bound.x).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 
@@ -481,7 +543,11 @@ mod tests {
         }
         fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
             let bend = 3.0 * self.x * self.x - 1.0;
-            values.copy_from_slice(&[if convexity == Convexity::Exact { bend } else { bend.max(1e-3) }, 0.0, 1.0]);
+            values.copy_from_slice(&[
+                if convexity == Convexity::Exact { bend } else { bend.max(1e-3) },
+                0.0,
+                1.0,
+            ]);
         }
     }
 
@@ -498,18 +564,24 @@ mod tests {
             leave_saddles,
             energy_unit_joule: 1.0,
         };
-        let found = |leave| minimise(&mut Wells { x: 0.0 }, &[0.0, 5.0], &options(leave), &Silent).unwrap();
+        let found =
+            |leave| minimise(&mut Wells { x: 0.0 }, &[0.0, 5.0], &options(leave), &Silent).unwrap();
         let stuck = found(false).x;
         assert!(stuck[0] == 0.0 && (stuck[1] - 1.0).abs() < 1e-9, "{stuck:?}");
         let left = found(true);
         assert_eq!(left.ending, Ending::Converged);
-        assert!((left.x[0].abs() - 1.0).abs() < 1e-9 && (left.x[1] - 1.0).abs() < 1e-9, "{:?}", left.x);
+        assert!(
+            (left.x[0].abs() - 1.0).abs() < 1e-9 && (left.x[1] - 1.0).abs() < 1e-9,
+            "{:?}",
+            left.x
+        );
         // A minimum is not left.
         let stays = minimise(&mut Wells { x: 0.0 }, &[1.0, 1.0], &options(true), &Silent).unwrap();
         assert_eq!((stays.x, stays.iterations), (vec![1.0, 1.0], 0));
     }
 
-    /// x₀² and (x₁ − 100)², the first much stiffer, with a wall that cuts every step far from the minimum short.
+    /// x₀² and (x₁ − 100)², the first much stiffer, with a wall that cuts every step far from the
+    /// minimum short.
     struct Walled;
 
     impl Problem for Walled {
@@ -549,10 +621,16 @@ mod tests {
         };
         let found = minimise(&mut Walled, &[3.0, 0.0], &options, &Silent).unwrap();
         assert_eq!(found.ending, Ending::Converged);
-        assert!((found.x[1] - 100.0).abs() < 1e-8 && found.iterations < 100, "{:?} in {}", found.x, found.iterations);
+        assert!(
+            (found.x[1] - 100.0).abs() < 1e-8 && found.iterations < 100,
+            "{:?} in {}",
+            found.x,
+            found.iterations
+        );
     }
 
-    /// 1 + (x₀ − 100)²/2 + 10⁻⁹ x₁⁴, with a convex bound that is far too stiff along x₀ and a true Hessian that is of no use there.
+    /// 1 + (x₀ − 100)²/2 + 10⁻⁹ x₁⁴, with a convex bound that is far too stiff along x₀ and a true
+    /// Hessian that is of no use there.
     struct Stiff {
         x: [f64; 2],
         exact: f64,
@@ -602,13 +680,24 @@ mod tests {
         assert!(found.iterations < 60, "{}", found.iterations);
         // But not where the nearest minimum is wanted.
         let followed = stiff(-1e3, 0.0, [99.9, 0.0], true);
-        assert!(followed.iterations > 3 * found.iterations, "{} {}", followed.iterations, found.iterations);
+        assert!(
+            followed.iterations > 3 * found.iterations,
+            "{} {}",
+            followed.iterations,
+            found.iterations
+        );
     }
 
     #[test]
     fn it_ends_where_nothing_is_to_be_gained() {
-        let [all, enough] = [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0], false));
+        let [all, enough] =
+            [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0], false));
         assert_eq!([all.ending, enough.ending], [Ending::Converged; 2]);
-        assert!(enough.iterations + 3 < all.iterations && enough.energy - all.energy < 1e-12, "{} {}", enough.iterations, all.iterations);
+        assert!(
+            enough.iterations + 3 < all.iterations && enough.energy - all.energy < 1e-12,
+            "{} {}",
+            enough.iterations,
+            all.iterations
+        );
     }
 }

@@ -1,7 +1,8 @@
 //! Which unknown is eliminated when, so that the factor stays sparse.
 //!
-//! Minimum degree and, where there is much to eliminate, nested dissection are tried, and the one with less work is taken. Where it is known
-//! which unknowns belong together (the coordinates of a vertex), they go together: then the graph of the groups is ordered instead.
+//! Minimum degree and, where there is much to eliminate, nested dissection are tried, and the one
+//! with less work is taken. Where it is known which unknowns belong together (the coordinates of a
+//! vertex), they go together: then the graph of the groups is ordered instead.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -25,18 +26,26 @@ const HUB: usize = 8;
 pub(super) fn best(groups: &Groups, large: usize) -> Result<Elimination> {
     let (few, hubs) = without_hubs(&groups.graph);
     let by = |order: Vec<usize>| {
-        let order: Vec<usize> = order.into_iter().map(|group| few.names[group]).chain(hubs.iter().copied()).collect();
+        let order: Vec<usize> =
+            order.into_iter().map(|group| few.names[group]).chain(hubs.iter().copied()).collect();
         Elimination::of(groups, &order)
     };
-    let (by_degree, dissected) =
-        rayon::join(|| minimum_degree(&few.graph).map(by), || (few.names.len() >= large).then(|| by(dissect(&few.graph))));
+    let (by_degree, dissected) = rayon::join(
+        || minimum_degree(&few.graph).map(by),
+        || (few.names.len() >= large).then(|| by(dissect(&few.graph))),
+    );
     let by_degree = by_degree?;
-    Ok(dissected.filter(|dissected| dissected.operations < by_degree.operations).unwrap_or(by_degree))
+    Ok(dissected
+        .filter(|dissected| dissected.operations < by_degree.operations)
+        .unwrap_or(by_degree))
 }
 
 /// Each unknown of `pattern` as a group of its own.
 pub(super) fn alone(pattern: &SymmetricPattern) -> Groups {
-    Groups { graph: pattern.clone(), members: (0..pattern.size()).map(|unknown| vec![unknown]).collect() }
+    Groups {
+        graph: pattern.clone(),
+        members: (0..pattern.size()).map(|unknown| vec![unknown]).collect(),
+    }
 }
 
 /// An order by approximate minimum degree.
@@ -44,8 +53,19 @@ pub(super) fn minimum_degree(graph: &SymmetricPattern) -> Result<Vec<usize>> {
     let (n, entries) = (graph.size(), graph.entry_count());
     let (mut order, mut place) = (vec![0; n], vec![0; n]);
     let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<usize>(n, entries));
-    amd::order_maybe_unsorted(&mut order, &mut place, view(graph), amd::Control::default(), MemStack::new(&mut memory))
-        .map_err(|e| Error::numeric("factorisation", format!("the matrix could not be ordered ({e:?}); use a smaller mesh")))?;
+    amd::order_maybe_unsorted(
+        &mut order,
+        &mut place,
+        view(graph),
+        amd::Control::default(),
+        MemStack::new(&mut memory),
+    )
+    .map_err(|e| {
+        Error::numeric(
+            "factorisation",
+            format!("the matrix could not be ordered ({e:?}); use a smaller mesh"),
+        )
+    })?;
     Ok(order)
 }
 
@@ -55,7 +75,8 @@ struct Part {
     names: Vec<usize>,
 }
 
-/// What is left without nodes of very many couplings, by which all would be near to all; and these nodes.
+/// What is left without nodes of very many couplings, by which all would be near to all; and these
+/// nodes.
 fn without_hubs(graph: &SymmetricPattern) -> (Part, Vec<usize>) {
     let n = graph.size();
     let mut count = vec![0; n];

@@ -1,7 +1,9 @@
-//! Where the gradient vanishes without the energy being least: a direction of negative curvature to leave by.
+//! Where the gradient vanishes without the energy being least: a direction of negative curvature to
+//! leave by.
 //!
-//! A convex bound P of the Hessian H (the factorised one of [`super::newton`]) has no such direction; but P⁻¹H has eigenvalues at most 1,
-//! and those of I − P⁻¹H above 1 belong to directions along which H bends downwards. Powers of that matrix find the steepest of them.
+//! A convex bound P of the Hessian H (the factorised one of [`super::newton`]) has no such
+//! direction; but P⁻¹H has eigenvalues at most 1, and those of I − P⁻¹H above 1 belong to
+//! directions along which H bends downwards. Powers of that matrix find the steepest of them.
 
 use super::descent::Descent;
 use super::newton::{Convexity, Problem};
@@ -13,9 +15,15 @@ const LOOK: usize = 20;
 /// Curvature, over that of P, that counts as rounding.
 const ROUNDING: f64 = 1e-7;
 
-/// A direction (largest component 1) along which the Hessian of `problem`, linearised where its gradient vanishes, is negative; `None` if
-/// there is none to be found. `ridge` is the share of the largest diagonal entry that is added.
-pub(super) fn downward(problem: &mut dyn Problem, descent: &mut Descent, convexity: Convexity, ridge: f64) -> Option<Vec<f64>> {
+/// A direction (largest component 1) along which the Hessian of `problem`, linearised where its
+/// gradient vanishes, is negative; `None` if there is none to be found. `ridge` is the share of the
+/// largest diagonal entry that is added.
+pub(super) fn downward(
+    problem: &mut dyn Problem,
+    descent: &mut Descent,
+    convexity: Convexity,
+    ridge: f64,
+) -> Option<Vec<f64>> {
     let Descent { cholesky, diagonal, values, .. } = descent;
     let stiffen = |values: &mut [f64]| {
         let largest = diagonal.iter().map(|&slot| values[slot].abs()).fold(0.0, f64::max);

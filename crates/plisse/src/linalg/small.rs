@@ -14,7 +14,10 @@ pub enum Convexity {
 }
 
 /// `h` with its negative eigenvalues treated as `convexity` says.
-pub fn convexify<const N: usize>(h: &SMatrix<f64, N, N>, convexity: Convexity) -> SMatrix<f64, N, N> {
+pub fn convexify<const N: usize>(
+    h: &SMatrix<f64, N, N>,
+    convexity: Convexity,
+) -> SMatrix<f64, N, N> {
     if convexity == Convexity::Exact || is_positive_definite(h) {
         return *h;
     }
@@ -33,8 +36,8 @@ pub fn convexify<const N: usize>(h: &SMatrix<f64, N, N>, convexity: Convexity) -
     out
 }
 
-/// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by cyclic Jacobi rotations: accurate also for tiny
-/// eigenvalues, deterministic, no heap.
+/// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by cyclic Jacobi rotations:
+/// accurate also for tiny eigenvalues, deterministic, no heap.
 pub fn eigen<const N: usize>(h: &SMatrix<f64, N, N>) -> ([f64; N], SMatrix<f64, N, N>) {
     let mut a = *h;
     let mut v = SMatrix::<f64, N, N>::identity();
@@ -107,7 +110,8 @@ mod tests {
     fn eigenvectors_rebuild_the_matrix() {
         let h = Matrix3::new(2.0, -1.0, 0.5, -1.0, -3.0, 1e-3, 0.5, 1e-3, 1e-6);
         let (values, vectors) = eigen(&h);
-        let rebuilt: Matrix3<f64> = vectors * Matrix3::from_diagonal(&values.into()) * vectors.transpose();
+        let rebuilt: Matrix3<f64> =
+            vectors * Matrix3::from_diagonal(&values.into()) * vectors.transpose();
         assert!((rebuilt - h).norm() < 1e-14);
         assert!((vectors.transpose() * vectors - Matrix3::identity()).norm() < 1e-14);
     }

@@ -1,6 +1,7 @@
 //! Symmetric sparse matrices whose pattern is known from elements before any value is.
 
-/// Pattern of the lower triangle (with the whole diagonal) of a symmetric `n × n` matrix, column by column.
+/// Pattern of the lower triangle (with the whole diagonal) of a symmetric `n × n` matrix, column by
+/// column.
 #[derive(Clone, Debug)]
 pub struct SymmetricPattern {
     /// `[n+1]` where each column starts in [`SymmetricPattern::rows`].
@@ -15,7 +16,8 @@ impl SymmetricPattern {
         Self { columns: vec![0], rows: Vec::new() }
     }
 
-    /// From the rows of each column (`[n]`, none above the diagonal, in any order, also more than once).
+    /// From the rows of each column (`[n]`, none above the diagonal, in any order, also more than
+    /// once).
     pub(crate) fn from_columns(mut lists: Vec<Vec<usize>>) -> Self {
         let (mut columns, mut rows) = (vec![0], Vec::new());
         for list in &mut lists {
@@ -27,7 +29,8 @@ impl SymmetricPattern {
         Self { columns, rows }
     }
 
-    /// The union of the full blocks that `elements` couple. An unknown may appear in no element; its diagonal is kept.
+    /// The union of the full blocks that `elements` couple. An unknown may appear in no element;
+    /// its diagonal is kept.
     pub fn from_elements<'a>(n: usize, elements: impl Iterator<Item = &'a [usize]>) -> Self {
         let (mut unknowns, mut begins) = (Vec::new(), vec![0]);
         for element in elements {
@@ -92,18 +95,24 @@ impl SymmetricPattern {
         self.rows[start..self.columns[column + 1]].binary_search(&row).ok().map(|at| start + at)
     }
 
-    /// This pattern with the couplings of more elements, and where each of its own entries is stored there.
+    /// This pattern with the couplings of more elements, and where each of its own entries is
+    /// stored there.
     pub fn extended<'a>(&self, elements: impl Iterator<Item = &'a [usize]>) -> (Self, Vec<usize>) {
         let mut more = Vec::new();
         for element in elements {
             for (p, &i) in element.iter().enumerate() {
-                more.extend(element[..p].iter().filter(|&&j| i != j).map(|&j| (i.min(j), i.max(j))));
+                more.extend(
+                    element[..p].iter().filter(|&&j| i != j).map(|&j| (i.min(j), i.max(j))),
+                );
             }
         }
         more.sort_unstable();
         more.dedup();
-        let (mut columns, mut rows, mut places) =
-            (vec![0], Vec::with_capacity(self.rows.len() + more.len()), Vec::with_capacity(self.rows.len()));
+        let (mut columns, mut rows, mut places) = (
+            vec![0],
+            Vec::with_capacity(self.rows.len() + more.len()),
+            Vec::with_capacity(self.rows.len()),
+        );
         let mut more = more.into_iter().peekable();
         for column in 0..self.size() {
             for &row in &self.rows[self.columns[column]..self.columns[column + 1]] {
@@ -124,7 +133,10 @@ impl SymmetricPattern {
 
     /// Slots of an element's lower triangle, row by row: (0,0), (1,0), (1,1), (2,0), …
     pub fn element_slots(&self, element: &[usize]) -> impl Iterator<Item = usize> {
-        element.iter().enumerate().flat_map(move |(p, &i)| element[..=p].iter().map(move |&j| self.slot(i, j)))
+        element
+            .iter()
+            .enumerate()
+            .flat_map(move |(p, &i)| element[..=p].iter().map(move |&j| self.slot(i, j)))
     }
 
     /// `out = A x` for the symmetric matrix with these lower-triangle `values`.
@@ -146,7 +158,8 @@ impl SymmetricPattern {
         }
     }
 
-    /// Uncouples the unknowns marked in `fixed`: of their rows and columns only the diagonal's absolute value is left.
+    /// Uncouples the unknowns marked in `fixed`: of their rows and columns only the diagonal's
+    /// absolute value is left.
     pub fn isolate(&self, values: &mut [f64], fixed: &[bool]) {
         for column in 0..self.size() {
             for slot in self.columns[column]..self.columns[column + 1] {

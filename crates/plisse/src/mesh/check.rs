@@ -1,5 +1,5 @@
-//! What readers do to meshes before use: checks of the geometry that name the vertex or face at fault, and the weld of
-//! vertices that a file keeps twice along its seams.
+//! What readers do to meshes before use: checks of the geometry that name the vertex or face at
+//! fault, and the weld of vertices that a file keeps twice along its seams.
 
 use super::Vec3;
 use crate::{Error, Result};
@@ -18,16 +18,21 @@ pub fn check_finite(place: &str, positions: &[Vec3]) -> Result<()> {
         None => Ok(()),
         Some(v) => {
             let p = positions[v];
-            let message = format!("vertex {v} is at ({}, {}, {}), which is no point; export the mesh again", p.x, p.y, p.z);
+            let message = format!(
+                "vertex {v} is at ({}, {}, {}), which is no point; export the mesh again",
+                p.x, p.y, p.z
+            );
             Err(Error::mesh(place, message))
         }
     }
 }
 
-/// Checks that rest triangles can have a metric: `positions` (m) are the rest vertices, `faces` (`[F][3]`) must name existing ones.
+/// Checks that rest triangles can have a metric: `positions` (m) are the rest vertices, `faces`
+/// (`[F][3]`) must name existing ones.
 ///
-/// In a flat rest shape (constant z), all faces of a panel, that is of a piece connected through shared rest edges, must face
-/// one way. Pieces without any boundary, such as a pillow pressed flat, face both ways and are exempt.
+/// In a flat rest shape (constant z), all faces of a panel, that is of a piece connected through
+/// shared rest edges, must face one way. Pieces without any boundary, such as a pillow pressed
+/// flat, face both ways and are exempt.
 ///
 /// # Errors
 /// [`Error::Mesh`] at `place` naming a face whose area is zero (below 1e-10 of its longest edge squared), or the first face
@@ -35,11 +40,13 @@ pub fn check_finite(place: &str, positions: &[Vec3]) -> Result<()> {
 pub fn check_rest_faces(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<()> {
     for (f, face) in faces.iter().enumerate() {
         let [a, b, c] = face.map(|v| positions[v]);
-        let longest_squared = (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
+        let longest_squared =
+            (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
         let area = 0.5 * (b - a).cross(&(c - a)).norm();
         if area.is_nan() || area <= LEAST_RELATIVE_AREA * longest_squared {
             let message = format!(
-                "face {f} (vertices {}, {}, {}) has no area in the rest shape; move its vertices apart or remove the face",
+                "face {f} (vertices {}, {}, {}) has no area in the rest shape; move its vertices \
+                 apart or remove the face",
                 face[0], face[1], face[2]
             );
             return Err(Error::mesh(place, message));
@@ -59,9 +66,10 @@ pub struct Welded {
     pub vertex_of_input: Vec<usize>,
 }
 
-/// Merges vertices at exactly the same position (bit for bit, save that -0 is 0) if they lie on boundary edges, as files
-/// with texture coordinates keep them along seams. Two corners of one face are never merged, and inner vertices never:
-/// faces that a pose has crushed to nothing stay. Without anything to merge, the mesh comes back as it was.
+/// Merges vertices at exactly the same position (bit for bit, save that -0 is 0) if they lie on
+/// boundary edges, as files with texture coordinates keep them along seams. Two corners of one face
+/// are never merged, and inner vertices never: faces that a pose has crushed to nothing stay.
+/// Without anything to merge, the mesh comes back as it was.
 ///
 /// # Panics
 /// If a face names a vertex that does not exist.
@@ -78,14 +86,23 @@ pub fn weld(positions: &[Vec3], faces: &[[usize; 3]]) -> Welded {
     for group in at_place.chunk_by(|a, b| a.0 == b.0) {
         let mut clusters: Vec<usize> = Vec::new();
         for &(_, v) in group {
-            let shares_face = |cluster: usize| around.of(v).iter().any(|&f| faces[f].iter().any(|&u| u != v && lowest[u] == cluster));
+            let shares_face = |cluster: usize| {
+                around
+                    .of(v)
+                    .iter()
+                    .any(|&f| faces[f].iter().any(|&u| u != v && lowest[u] == cluster))
+            };
             match clusters.iter().find(|&&cluster| !shares_face(cluster)) {
                 Some(&cluster) => lowest[v] = cluster,
                 None => clusters.push(v),
             }
         }
     }
-    let mut welded = Welded { positions: Vec::new(), faces: Vec::new(), vertex_of_input: vec![0; positions.len()] };
+    let mut welded = Welded {
+        positions: Vec::new(),
+        faces: Vec::new(),
+        vertex_of_input: vec![0; positions.len()],
+    };
     for v in 0..positions.len() {
         if lowest[v] == v {
             welded.vertex_of_input[v] = welded.positions.len();
@@ -98,7 +115,8 @@ pub fn weld(positions: &[Vec3], faces: &[[usize; 3]]) -> Welded {
     welded
 }
 
-/// Every side of every face as (edge with the lower vertex first, face), sorted: equal edges are neighbours.
+/// Every side of every face as (edge with the lower vertex first, face), sorted: equal edges are
+/// neighbours.
 fn sorted_sides(faces: &[[usize; 3]]) -> Vec<([usize; 2], usize)> {
     let mut sides = Vec::with_capacity(3 * faces.len());
     for (f, face) in faces.iter().enumerate() {
@@ -201,7 +219,10 @@ fn check_panel_orientation(place: &str, positions: &[Vec3], faces: &[[usize; 3]]
         1 => String::new(),
         n => format!(" (and {} more)", n - 1),
     };
-    let message = format!("face {}{others} is flipped against its panel; reverse its vertex order in both files", flipped[0]);
+    let message = format!(
+        "face {}{others} is flipped against its panel; reverse its vertex order in both files",
+        flipped[0]
+    );
     Err(Error::mesh(place, message))
 }
 
@@ -215,8 +236,11 @@ mod tests {
 
     /// A row of `n` unit squares, two counter-clockwise faces each; vertices 2k and 2k+1 at x = k.
     fn strip(n: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
-        let positions = (0..=n).flat_map(|k| [0.0, 1.0].map(|y| Vec3::new(k as f64, y, 0.0))).collect();
-        let faces = (0..n).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]).collect();
+        let positions =
+            (0..=n).flat_map(|k| [0.0, 1.0].map(|y| Vec3::new(k as f64, y, 0.0))).collect();
+        let faces = (0..n)
+            .flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]])
+            .collect();
         (positions, faces)
     }
 
@@ -226,7 +250,12 @@ mod tests {
         assert!(check_finite("m.obj", &positions).is_ok());
         for bad in [f64::NAN, f64::INFINITY] {
             positions[3].y = bad;
-            assert!(check_finite("m.obj", &positions).unwrap_err().to_string().starts_with("m.obj: vertex 3 is at"));
+            assert!(
+                check_finite("m.obj", &positions)
+                    .unwrap_err()
+                    .to_string()
+                    .starts_with("m.obj: vertex 3 is at")
+            );
         }
     }
 
@@ -238,7 +267,12 @@ mod tests {
             assert!(check_rest_faces("m", &scaled, &faces).is_ok());
         }
         faces.push([0, 2, 4]);
-        assert!(check_rest_faces("m", &positions, &faces).unwrap_err().to_string().contains("face 6 (vertices 0, 2, 4)"));
+        assert!(
+            check_rest_faces("m", &positions, &faces)
+                .unwrap_err()
+                .to_string()
+                .contains("face 6 (vertices 0, 2, 4)")
+        );
         let dot = points(&[[1.0, 1.0, 1.0]; 3]);
         assert!(check_rest_faces("m", &dot, &[[0, 1, 2]]).is_err());
         let thin = |height| points(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, height]]);
@@ -252,19 +286,36 @@ mod tests {
         let flip = |faces: &mut Vec<[usize; 3]>, f: usize| faces[f].swap(1, 2);
         flip(&mut faces, 3);
         let message = check_rest_faces("m", &positions, &faces).unwrap_err().to_string();
-        assert_eq!(message, "m: face 3 is flipped against its panel; reverse its vertex order in both files");
+        assert_eq!(
+            message,
+            "m: face 3 is flipped against its panel; reverse its vertex order in both files"
+        );
         flip(&mut faces, 5);
-        assert!(check_rest_faces("m", &positions, &faces).unwrap_err().to_string().contains("face 3 (and 1 more)"));
+        assert!(
+            check_rest_faces("m", &positions, &faces)
+                .unwrap_err()
+                .to_string()
+                .contains("face 3 (and 1 more)")
+        );
         // A whole panel may face down, if it shares no edge with those that face up.
         let (positions, mut faces) = strip(2);
         let count = positions.len();
         for f in 0..4 {
             faces.push([faces[f][0] + count, faces[f][2] + count, faces[f][1] + count]);
         }
-        let both: Vec<Vec3> = positions.iter().copied().chain(positions.iter().map(|p| p + Vec3::new(9.0, 0.0, 0.0))).collect();
+        let both: Vec<Vec3> = positions
+            .iter()
+            .copied()
+            .chain(positions.iter().map(|p| p + Vec3::new(9.0, 0.0, 0.0)))
+            .collect();
         assert!(check_rest_faces("m", &both, &faces).is_ok());
         flip(&mut faces, 6);
-        assert!(check_rest_faces("m", &both, &faces).unwrap_err().to_string().contains("face 6 is flipped"));
+        assert!(
+            check_rest_faces("m", &both, &faces)
+                .unwrap_err()
+                .to_string()
+                .contains("face 6 is flipped")
+        );
         // Without a plane there is no up.
         let mut bent = both;
         bent[0].z = 0.1;
@@ -311,7 +362,10 @@ mod tests {
         for (face, before) in welded.faces.iter().zip(&faces) {
             assert_eq!(face.map(|v| welded.positions[v]), before.map(|v| positions[v]));
         }
-        let inner_edges = sorted_sides(&welded.faces).chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 2).count();
+        let inner_edges = sorted_sides(&welded.faces)
+            .chunk_by(|a, b| a.0 == b.0)
+            .filter(|same| same.len() == 2)
+            .count();
         assert_eq!(inner_edges, 9);
     }
 
@@ -321,7 +375,11 @@ mod tests {
         let same = |positions: &[Vec3]| {
             let welded = weld(positions, &faces);
             let identity: Vec<usize> = (0..positions.len()).collect();
-            (welded.positions == positions, welded.faces == faces, welded.vertex_of_input == identity)
+            (
+                welded.positions == positions,
+                welded.faces == faces,
+                welded.vertex_of_input == identity,
+            )
         };
         assert_eq!(same(&positions), (true, true, true));
         // A collapsed face keeps its corners apart.
@@ -342,7 +400,8 @@ mod tests {
         p.extend(ring);
         p.push([0.0; 3]);
         p.extend(ring.map(|[x, y, _]| [2.0 * x, 2.0 * y, 0.0]));
-        let fan = |centre: usize| (0..4).map(move |k| [centre, centre + 1 + k, centre + 1 + (k + 1) % 4]);
+        let fan =
+            |centre: usize| (0..4).map(move |k| [centre, centre + 1 + k, centre + 1 + (k + 1) % 4]);
         let faces: Vec<[usize; 3]> = fan(0).chain(fan(5)).collect();
         assert_eq!(weld(&points(&p), &faces).positions.len(), 10);
         // With one face less around each, both centres are on boundary edges.

@@ -1,7 +1,8 @@
-//! Which triangles of a surface cross each other, exactly: boxes by parry, signs by [Shewchuk 1997]'s adaptive predicates.
+//! Which triangles of a surface cross each other, exactly: boxes by parry, signs by [Shewchuk
+//! 1997]'s adaptive predicates.
 //!
-//! Two triangles cross if they have a point in common that is not on a corner or side they share. Triangles that only touch count too.
-//! Where all is in one plane, signs in the plane decide.
+//! Two triangles cross if they have a point in common that is not on a corner or side they share.
+//! Triangles that only touch count too. Where all is in one plane, signs in the plane decide.
 
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -20,7 +21,8 @@ pub fn crossing_pairs(faces: &[[usize; 3]], positions: &[Vec3]) -> Vec<[usize; 2
     let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes);
     let of_face = |f: usize| -> Vec<[usize; 2]> {
         let later = tree.intersect_aabb(&boxes[f]).map(|g| g as usize).filter(|&g| g > f);
-        let mut found: Vec<[usize; 2]> = later.filter(|&g| cross(faces[f], faces[g], positions)).map(|g| [f, g]).collect();
+        let mut found: Vec<[usize; 2]> =
+            later.filter(|&g| cross(faces[f], faces[g], positions)).map(|g| [f, g]).collect();
         found.sort_unstable();
         found
     };
@@ -74,7 +76,9 @@ fn pierces(segment: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
             let sides = [side(&a, &b, x, axis), side(&b, &c, x, axis), side(&c, &a, x, axis)];
             sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0)
         };
-        return inside(&p) || inside(&q) || [(a, b), (b, c), (c, a)].iter().any(|(u, v)| segments_meet(&p, &q, u, v, axis));
+        return inside(&p)
+            || inside(&q)
+            || [(a, b), (b, c), (c, a)].iter().any(|(u, v)| segments_meet(&p, &q, u, v, axis));
     }
     let around = [volume(&p, &q, &a, &b), volume(&p, &q, &b, &c), volume(&p, &q, &c, &a)];
     around.iter().all(|&s| s >= 0.0) || around.iter().all(|&s| s <= 0.0)
@@ -83,7 +87,8 @@ fn pierces(segment: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
 /// Whether two segments of one plane have a point in common, seen along `axis`.
 fn segments_meet(p: &Vec3, q: &Vec3, a: &Vec3, b: &Vec3, axis: usize) -> bool {
     let opposite = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
-    opposite(side(p, q, a, axis), side(p, q, b, axis)) && opposite(side(a, b, p, axis), side(a, b, q, axis))
+    opposite(side(p, q, a, axis), side(p, q, b, axis))
+        && opposite(side(a, b, p, axis), side(a, b, q, axis))
 }
 
 /// Sign of the volume of a tetrahedron; its size is only near.
@@ -117,7 +122,8 @@ mod tests {
     #[test]
     fn crossing_touching_and_clear_triangles_are_told_apart() {
         let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-        let with = |other: [[f64; 3]; 3]| crossing_pairs(&TWO, &places(&[flat, other].concat())).len();
+        let with =
+            |other: [[f64; 3]; 3]| crossing_pairs(&TWO, &places(&[flat, other].concat())).len();
         assert_eq!(with([[0.2, 0.2, -1.0], [0.2, 0.2, 1.0], [0.3, 0.9, 1.0]]), 1);
         // One corner exactly on the face, and an ulp above it.
         assert_eq!(with([[0.25, 0.25, 0.0], [0.2, 0.2, 1.0], [0.3, 0.9, 1.0]]), 1);
@@ -139,7 +145,8 @@ mod tests {
         assert_eq!(fold([0.5, 1.0, 0.0]), 1);
         // Two that share a corner.
         let fan = |tip: [f64; 3]| {
-            let positions = places(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], tip, [0.3, 0.3, -1.0]]);
+            let positions =
+                places(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], tip, [0.3, 0.3, -1.0]]);
             crossing_pairs(&[[0, 1, 2], [0, 3, 4]], &positions).len()
         };
         assert_eq!(fan([0.3, 0.3, 1.0]), 1);
@@ -154,7 +161,8 @@ mod tests {
         let (mut faces, mut positions) = (Vec::new(), Vec::new());
         for f in 0..120 {
             let centre = Vec3::new(number(), number(), number());
-            positions.extend((0..3).map(|_| centre + 0.4 * Vec3::new(number(), number(), number())));
+            positions
+                .extend((0..3).map(|_| centre + 0.4 * Vec3::new(number(), number(), number())));
             faces.push([3 * f, 3 * f + 1, 3 * f + 2]);
         }
         let found = crossing_pairs(&faces, &positions);

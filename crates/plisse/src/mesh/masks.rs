@@ -1,8 +1,10 @@
-//! The weights of Loop subdivision: what is smooth on a fine mesh are weighted means of the coarse one. They are kept as a sparse matrix, so one
-//! set of weights serves positions, poses of many frames and scalar fields.
+//! The weights of Loop subdivision: what is smooth on a fine mesh are weighted means of the coarse
+//! one. They are kept as a sparse matrix, so one set of weights serves positions, poses of many
+//! frames and scalar fields.
 //!
-//! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for even vertices, and the
-//! cubic B-spline masks 1/8 3/4 1/8 and 1/2 1/2 along boundaries and creases.
+//! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for
+//! even vertices, and the cubic B-spline masks 1/8 3/4 1/8 and 1/2 1/2 along boundaries and
+//! creases.
 
 use std::f64::consts::TAU;
 use std::ops::{Add, Mul};
@@ -17,7 +19,8 @@ use super::{NONE, Topology};
 pub struct Masks {
     /// `[fine V + 1]` where each fine vertex's entries start in `columns`, `edges` and `weights`.
     starts: Vec<usize>,
-    /// Coarse vertices that a fine vertex depends on; the first is the one it comes from: itself, or the lower end of its edge.
+    /// Coarse vertices that a fine vertex depends on; the first is the one it comes from: itself,
+    /// or the lower end of its edge.
     columns: Vec<usize>,
     /// Coarse edge from the first vertex to each; [`NONE`] for the first itself.
     edges: Vec<usize>,
@@ -38,10 +41,21 @@ pub struct Row<'a> {
 
 impl Masks {
     /// As [`super::subdivide::Subdivision::masks`] says; `around` are the edges of `coarse`.
-    pub(super) fn new(coarse: &Topology, around: &EdgesAround, crease: &[bool], corner: &[bool]) -> Self {
-        assert!(crease.is_empty() || crease.len() == coarse.edge_count(), "a crease flag for each edge, or none");
+    pub(super) fn new(
+        coarse: &Topology,
+        around: &EdgesAround,
+        crease: &[bool],
+        corner: &[bool],
+    ) -> Self {
+        assert!(
+            crease.is_empty() || crease.len() == coarse.edge_count(),
+            "a crease flag for each edge, or none"
+        );
         let sharp = |e: usize| coarse.is_boundary_edge(e) || (!crease.is_empty() && crease[e]);
-        let (rows, entries) = (coarse.vertex_count + coarse.edge_count(), coarse.vertex_count + 6 * coarse.edge_count());
+        let (rows, entries) = (
+            coarse.vertex_count + coarse.edge_count(),
+            coarse.vertex_count + 6 * coarse.edge_count(),
+        );
         let mut masks = Self {
             starts: Vec::with_capacity(rows + 1),
             columns: Vec::with_capacity(entries),
@@ -62,7 +76,10 @@ impl Masks {
                 }
                 2 => {
                     masks.push(v, NONE, 0.75);
-                    edges.iter().filter(|&&e| sharp(e)).for_each(|&e| masks.push(across(e), e, 0.125));
+                    edges
+                        .iter()
+                        .filter(|&&e| sharp(e))
+                        .for_each(|&e| masks.push(across(e), e, 0.125));
                 }
                 _ => masks.push(v, NONE, 1.0),
             }
@@ -79,7 +96,11 @@ impl Masks {
                     let (face, sides) = (coarse.faces[f], coarse.face_edges[f]);
                     let k = coarse.corner_of(f, i);
                     let (next, last) = ((k + 1) % 3, (k + 2) % 3);
-                    let (opposite, side) = if sides[k] == e { (face[last], sides[last]) } else { (face[next], sides[k]) };
+                    let (opposite, side) = if sides[k] == e {
+                        (face[last], sides[last])
+                    } else {
+                        (face[next], sides[k])
+                    };
                     masks.push(opposite, side, 0.125);
                 }
             }
@@ -88,11 +109,15 @@ impl Masks {
         masks
     }
 
-    /// `[fine V]` values at fine vertices from `coarse` (`[V]`), for scalars or vectors: smoothed means of their neighbourhood.
+    /// `[fine V]` values at fine vertices from `coarse` (`[V]`), for scalars or vectors: smoothed
+    /// means of their neighbourhood.
     ///
     /// # Panics
     /// If `coarse` has fewer values than the coarse mesh has vertices.
-    pub fn apply<T: Copy + Add<Output = T> + Mul<f64, Output = T> + Send + Sync>(&self, coarse: &[T]) -> Vec<T> {
+    pub fn apply<T: Copy + Add<Output = T> + Mul<f64, Output = T> + Send + Sync>(
+        &self,
+        coarse: &[T],
+    ) -> Vec<T> {
         let mean = |fine_vertex: usize| {
             let Row { vertices, weights, .. } = self.row(fine_vertex);
             let first = coarse[vertices[0]] * weights[0];
@@ -104,7 +129,11 @@ impl Masks {
     /// What fine vertex `v` depends on.
     pub fn row(&self, v: usize) -> Row<'_> {
         let entries = self.starts[v]..self.starts[v + 1];
-        Row { vertices: &self.columns[entries.clone()], edges: &self.edges[entries.clone()], weights: &self.weights[entries] }
+        Row {
+            vertices: &self.columns[entries.clone()],
+            edges: &self.edges[entries.clone()],
+            weights: &self.weights[entries],
+        }
     }
 
     fn push(&mut self, column: usize, edge: usize, weight: f64) {
@@ -141,7 +170,8 @@ mod tests {
 
     #[test]
     fn edges_lead_to_the_vertices_of_a_row() {
-        let mesh = Topology::new("fan", 5, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 1, 0]]).unwrap();
+        let mesh =
+            Topology::new("fan", 5, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 1, 0]]).unwrap();
         let masks = crate::mesh::subdivide::Subdivision::new(&mesh).masks(&[], &[]);
         for v in 0..mesh.vertex_count + mesh.edge_count() {
             let row = masks.row(v);

@@ -1,5 +1,6 @@
-//! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]) and [`closed`] surfaces, sewing ([`sew`]), welding and checks
-//! ([`check`]), Loop subdivision ([`subdivide`], by [`masks`]).
+//! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]) and [`closed`]
+//! surfaces, sewing ([`sew`]), welding and checks ([`check`]), Loop subdivision ([`subdivide`], by
+//! [`masks`]).
 
 pub mod check;
 pub mod closed;

@@ -5,7 +5,8 @@ use std::collections::BinaryHeap;
 
 use super::{Vec2, Vec3};
 
-/// Room to measure distances in. Only vertices that are reached are ever touched, so that a search costs what it finds.
+/// Room to measure distances in. Only vertices that are reached are ever touched, so that a search
+/// costs what it finds.
 #[derive(Clone, Debug)]
 pub struct Reach {
     /// `[V]` distance; infinite where nothing was reached.
@@ -32,9 +33,11 @@ impl Reach {
         }
     }
 
-    /// Vertices up to `radius_m` from the point `origin` (m) of a face with these `corners`, nearest first, with their distances (m). Each face
-    /// that a front crosses is laid flat onto the one before, so distances are exact on flat surfaces as far as faces see the point straight, and a
-    /// little long elsewhere. `around` gives the corners of the faces around a vertex, `place` its position (m).
+    /// Vertices up to `radius_m` from the point `origin` (m) of a face with these `corners`,
+    /// nearest first, with their distances (m). Each face that a front crosses is laid flat onto
+    /// the one before, so distances are exact on flat surfaces as far as faces see the point
+    /// straight, and a little long elsewhere. `around` gives the corners of the faces around a
+    /// vertex, `place` its position (m).
     pub fn from<I: Iterator<Item = [usize; 3]>>(
         &mut self,
         corners: [usize; 3],
@@ -49,7 +52,8 @@ impl Reach {
         self.search(around, place, radius_m)
     }
 
-    /// Vertices up to `radius_m` from any of the vertices `from`, nearest first, with their distances (m); else as [`Reach::from`].
+    /// Vertices up to `radius_m` from any of the vertices `from`, nearest first, with their
+    /// distances (m); else as [`Reach::from`].
     pub fn around_all<I: Iterator<Item = [usize; 3]>>(
         &mut self,
         from: impl Iterator<Item = usize>,
@@ -76,10 +80,13 @@ impl Reach {
             self.reached.push(v);
             for face in around(v) {
                 let k = usize::from(face[1] == v) + 2 * usize::from(face[2] == v);
-                for (a, b) in [(face[(k + 1) % 3], face[(k + 2) % 3]), (face[(k + 2) % 3], face[(k + 1) % 3])] {
+                for (a, b) in
+                    [(face[(k + 1) % 3], face[(k + 2) % 3]), (face[(k + 2) % 3], face[(k + 1) % 3])]
+                {
                     self.offer(a, distance + (place(a) - place(v)).norm());
                     if self.settled[b]
-                        && let Some(through) = across(place(v), place(b), place(a), distance, self.distance_m[b])
+                        && let Some(through) =
+                            across(place(v), place(b), place(a), distance, self.distance_m[b])
                     {
                         self.offer(a, through);
                     }
@@ -105,8 +112,8 @@ impl Reach {
     }
 }
 
-/// Distance (m) of `c` from a point that is `at_a` and `at_b` (m) from `a` and `b`, straight through the side from `a` to `b`; none if it
-/// is not seen through that side.
+/// Distance (m) of `c` from a point that is `at_a` and `at_b` (m) from `a` and `b`, straight
+/// through the side from `a` to `b`; none if it is not seen through that side.
 fn across(a: Vec3, b: Vec3, c: Vec3, at_a: f64, at_b: f64) -> Option<f64> {
     let side = b - a;
     let length = side.norm();
@@ -130,18 +137,32 @@ mod tests {
 
     #[test]
     fn distances_on_a_flat_sheet_are_straight_and_end_where_asked() {
-        let panel = Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3).unwrap();
+        let panel =
+            Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3)
+                .unwrap();
         let places: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new("sheet", places.len(), panel.faces).unwrap();
         let (faces, around) = (&topology.faces, topology.vertex_faces());
         let mut reach = Reach::new(places.len());
         let corners = faces[31];
-        let origin: Vec3 = places[corners[0]] * 0.2 + places[corners[1]] * 0.5 + places[corners[2]] * 0.3;
-        let mut search = || reach.from(corners, &origin, |v| around[v].iter().map(|&f| faces[f]), |v| places[v], 0.3);
+        let origin: Vec3 =
+            places[corners[0]] * 0.2 + places[corners[1]] * 0.5 + places[corners[2]] * 0.3;
+        let mut search = || {
+            reach.from(
+                corners,
+                &origin,
+                |v| around[v].iter().map(|&f| faces[f]),
+                |v| places[v],
+                0.3,
+            )
+        };
         let found = search();
         for &(v, distance) in &found {
             let straight = (places[v] - origin).norm();
-            assert!(distance >= straight - 1e-12 && distance < 1.05 * straight + 1e-12, "{v}: {distance} {straight}");
+            assert!(
+                distance >= straight - 1e-12 && distance < 1.05 * straight + 1e-12,
+                "{v}: {distance} {straight}"
+            );
         }
         let within = places.iter().filter(|p| (*p - origin).norm() <= 0.3 / 1.05).count();
         assert!(found.len() >= within && found.windows(2).all(|pair| pair[0].1 <= pair[1].1));

@@ -1,21 +1,24 @@
-//! Points scattered at random inside closed outlines: no two closer than a spacing, and no room left for one more
-//! (maximal Poisson-disk sampling, by the shrinking cells of [Ebeida et al. 2012, "A Simple Algorithm for Maximal
-//! Poisson-Disk Sampling in High Dimensions"]).
+//! Points scattered at random inside closed outlines: no two closer than a spacing, and no room
+//! left for one more (maximal Poisson-disk sampling, by the shrinking cells of [Ebeida et al. 2012,
+//! "A Simple Algorithm for Maximal Poisson-Disk Sampling in High Dimensions"]).
 //!
-//! Why maximal: pairwise distances of at least `r` and no empty circle wider than `r` bound the smallest angle of the
-//! Delaunay triangulation by 30 degrees, with nothing regular about it. Gaps narrower than 1/5000 of the spacing stay open.
+//! Why maximal: pairwise distances of at least `r` and no empty circle wider than `r` bound the
+//! smallest angle of the Delaunay triangulation by 30 degrees, with nothing regular about it. Gaps
+//! narrower than 1/5000 of the spacing stay open.
 
 use super::Vec2;
 
 /// How often the cells in which there may be room are quartered.
 const LEVELS: u32 = 12;
 
-/// Points inside `pieces` (closed loops of segments; a point with an odd number of loops around it is inside), at least
-/// `spacing` from each other and from every piece's first end, and at least `off_pieces` from every piece.
-/// The same arguments give the same points in the same order. Lengths in the unit of `pieces`.
+/// Points inside `pieces` (closed loops of segments; a point with an odd number of loops around it
+/// is inside), at least `spacing` from each other and from every piece's first end, and at least
+/// `off_pieces` from every piece. The same arguments give the same points in the same order.
+/// Lengths in the unit of `pieces`.
 pub(super) fn scatter(pieces: &[[Vec2; 2]], spacing: f64, off_pieces: f64, seed: u64) -> Vec<Vec2> {
     let Some(&[first, _]) = pieces.first() else { return Vec::new() };
-    let (lower, upper) = pieces.iter().fold((first, first), |(l, u), p| (l.inf(&p[0]), u.sup(&p[0])));
+    let (lower, upper) =
+        pieces.iter().fold((first, first), |(l, u), p| (l.inf(&p[0]), u.sup(&p[0])));
     let fence = Fence::new(pieces, off_pieces, lower.y, upper.y);
     let mut random = Random(seed);
     let mut cell = spacing / 2f64.sqrt();
@@ -31,13 +34,21 @@ pub(super) fn scatter(pieces: &[[Vec2; 2]], spacing: f64, off_pieces: f64, seed:
     };
     let mut open: Vec<[u64; 2]> = Vec::new();
     for iy in 0..samples.rows as u64 {
-        open.extend((0..samples.columns as u64).map(|ix| [ix, iy]).filter(|&at| may_have_room(&samples, at, cell)));
+        open.extend(
+            (0..samples.columns as u64)
+                .map(|ix| [ix, iy])
+                .filter(|&at| may_have_room(&samples, at, cell)),
+        );
     }
     for _ in 0..LEVELS {
         for _ in 0..open.len() {
             let i = random.below(open.len());
             let at = open[i];
-            let p = lower + Vec2::new((at[0] as f64 + random.unit()) * cell, (at[1] as f64 + random.unit()) * cell);
+            let p = lower
+                + Vec2::new(
+                    (at[0] as f64 + random.unit()) * cell,
+                    (at[1] as f64 + random.unit()) * cell,
+                );
             if samples.leave_room(p) && fence.clearance(p) >= off_pieces {
                 samples.push(p);
                 open.swap_remove(i);
@@ -47,7 +58,9 @@ pub(super) fn scatter(pieces: &[[Vec2; 2]], spacing: f64, off_pieces: f64, seed:
             }
         }
         cell *= 0.5;
-        let quarters = open.iter().flat_map(|&[x, y]| [[2 * x, 2 * y], [2 * x + 1, 2 * y], [2 * x, 2 * y + 1], [2 * x + 1, 2 * y + 1]]);
+        let quarters = open.iter().flat_map(|&[x, y]| {
+            [[2 * x, 2 * y], [2 * x + 1, 2 * y], [2 * x, 2 * y + 1], [2 * x + 1, 2 * y + 1]]
+        });
         open = quarters.filter(|&at| may_have_room(&samples, at, cell)).collect();
     }
     samples.points.split_off(pieces.len())
@@ -65,7 +78,12 @@ struct Fence<'a> {
 
 impl<'a> Fence<'a> {
     fn new(pieces: &'a [[Vec2; 2]], reach: f64, lower_y: f64, upper_y: f64) -> Self {
-        let mut fence = Self { pieces, reach, lower_y, strips: vec![Vec::new(); ((upper_y - lower_y) / reach) as usize + 1] };
+        let mut fence = Self {
+            pieces,
+            reach,
+            lower_y,
+            strips: vec![Vec::new(); ((upper_y - lower_y) / reach) as usize + 1],
+        };
         for (i, [a, b]) in pieces.iter().enumerate() {
             for strip in fence.strip(a.y.min(b.y) - reach)..=fence.strip(a.y.max(b.y) + reach) {
                 fence.strips[strip].push(i as u32);
@@ -113,7 +131,16 @@ impl Samples {
     fn new(lower: Vec2, upper: Vec2, cell: f64, spacing: f64) -> Self {
         let columns = ((upper.x - lower.x) / cell) as usize + 1;
         let rows = ((upper.y - lower.y) / cell) as usize + 1;
-        Self { points: Vec::new(), lower, cell, spacing, columns, rows, newest: vec![u32::MAX; columns * rows], older: Vec::new() }
+        Self {
+            points: Vec::new(),
+            lower,
+            cell,
+            spacing,
+            columns,
+            rows,
+            newest: vec![u32::MAX; columns * rows],
+            older: Vec::new(),
+        }
     }
 
     fn cell_of(&self, p: Vec2) -> [usize; 2] {
@@ -129,7 +156,8 @@ impl Samples {
         self.points.push(p);
     }
 
-    /// Whether `test` holds for a point in the 25 cells around `p`: all points within `spacing` of `p` are among them.
+    /// Whether `test` holds for a point in the 25 cells around `p`: all points within `spacing` of
+    /// `p` are among them.
     fn any_near(&self, p: Vec2, test: impl Fn(Vec2) -> bool) -> bool {
         let [ix, iy] = self.cell_of(p);
         for y in iy.saturating_sub(2)..=(iy + 2).min(self.rows - 1) {
@@ -153,7 +181,10 @@ impl Samples {
 
     /// Whether one point's disk covers the whole square of half width `half` around `centre`.
     fn cover(&self, centre: Vec2, half: f64) -> bool {
-        self.any_near(centre, |q| ((centre - q).abs() + Vec2::new(half, half)).norm_squared() < self.spacing * self.spacing)
+        self.any_near(centre, |q| {
+            ((centre - q).abs() + Vec2::new(half, half)).norm_squared()
+                < self.spacing * self.spacing
+        })
     }
 }
 
@@ -186,8 +217,15 @@ mod tests {
 
     fn square(width: f64) -> Vec<[Vec2; 2]> {
         let n = width as usize;
-        let corners = [Vec2::new(0.0, 0.0), Vec2::new(width, 0.0), Vec2::new(width, width), Vec2::new(0.0, width)];
-        let at = |side: usize, k: usize| corners[side].lerp(&corners[(side + 1) % 4], k as f64 / n as f64);
+        let corners = [
+            Vec2::new(0.0, 0.0),
+            Vec2::new(width, 0.0),
+            Vec2::new(width, width),
+            Vec2::new(0.0, width),
+        ];
+        let at = |side: usize, k: usize| {
+            corners[side].lerp(&corners[(side + 1) % 4], k as f64 / n as f64)
+        };
         (0..4).flat_map(|side| (0..n).map(move |k| [at(side, k), at(side, k + 1)])).collect()
     }
 
@@ -205,7 +243,10 @@ mod tests {
         let mut random = Random(99);
         for _ in 0..20_000 {
             let p = Vec2::new(random.unit(), random.unit()) * width;
-            assert!(!inside(&p) || all.iter().any(|q| (p - q).norm() < 1.001 * spacing), "room left at {p}");
+            assert!(
+                !inside(&p) || all.iter().any(|q| (p - q).norm() < 1.001 * spacing),
+                "room left at {p}"
+            );
         }
     }
 
@@ -219,6 +260,9 @@ mod tests {
     #[test]
     fn splitmix64_gives_its_published_stream() {
         let mut random = Random(1_234_567);
-        assert_eq!([random.next(), random.next()], [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]);
+        assert_eq!(
+            [random.next(), random.next()],
+            [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]
+        );
     }
 }

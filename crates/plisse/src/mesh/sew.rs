@@ -1,5 +1,6 @@
-//! Sewing: flat panels become one surface. The panels keep their own flat rest vertices; along seams, several of these
-//! stand for one vertex of the surface. Rest lengths therefore belong to faces, and a seam needs no special case later.
+//! Sewing: flat panels become one surface. The panels keep their own flat rest vertices; along
+//! seams, several of these stand for one vertex of the surface. Rest lengths therefore belong to
+//! faces, and a seam needs no special case later.
 
 use std::collections::VecDeque;
 
@@ -12,26 +13,29 @@ const LENGTH_TOLERANCE: f64 = 0.01;
 /// Several panels sewn to one surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sewn {
-    /// Connectivity of the surface. Its vertices are numbered by the lowest rest vertex in each, without gaps.
+    /// Connectivity of the surface. Its vertices are numbered by the lowest rest vertex in each,
+    /// without gaps.
     pub topology: Topology,
     /// `[R]` vertices of all panels, one panel after the other (m, each panel in its own plane).
     pub rest_positions: Vec<Vec2>,
-    /// `[F][3]` rest vertices of each face of `topology`, corner by corner. Faces of a flipped panel run clockwise in its plane.
+    /// `[F][3]` rest vertices of each face of `topology`, corner by corner. Faces of a flipped
+    /// panel run clockwise in its plane.
     pub rest_faces: Vec<[usize; 3]>,
     /// `[R]` vertex of the surface for each rest vertex.
     pub vertex_of_rest: Vec<usize>,
-    /// `[panels]` whether the panel's faces were flipped so that all faces agree about the outside. Of the panels that hang
-    /// together, the first is never flipped.
+    /// `[panels]` whether the panel's faces were flipped so that all faces agree about the outside.
+    /// Of the panels that hang together, the first is never flipped.
     pub flipped: Vec<bool>,
 }
 
 /// Two chains of boundary vertices to be joined: the k-th of `a` to the k-th of `b`.
 #[derive(Clone, Copy, Debug)]
 pub struct Seam<'a> {
-    /// A panel, and vertices of it in order along its boundary: a [`Panel::side`], a part of one, or several in a row.
+    /// A panel, and vertices of it in order along its boundary: a [`Panel::side`], a part of one,
+    /// or several in a row.
     pub a: (usize, &'a [usize]),
-    /// The other panel (or the same), and as many of its vertices. Opposite sides of a rectangle run against each other,
-    /// so one of them must be [`reversed`].
+    /// The other panel (or the same), and as many of its vertices. Opposite sides of a rectangle
+    /// run against each other, so one of them must be [`reversed`].
     pub b: (usize, &'a [usize]),
 }
 
@@ -40,13 +44,14 @@ pub fn reversed(chain: &[usize]) -> Vec<usize> {
     chain.iter().rev().copied().collect()
 }
 
-/// The surface made of `panels`, joined along `seams`. Panels whose faces disagree with those they are sewn to, like the two
-/// equal halves of a balloon, are flipped.
+/// The surface made of `panels`, joined along `seams`. Panels whose faces disagree with those they
+/// are sewn to, like the two equal halves of a balloon, are flipped.
 ///
 /// # Errors
 /// [`Error::Mesh`] at `place` that names the seam and its panels for: a panel or vertex that does not exist, vertices that do
-/// not follow each other on the boundary, sides that differ in their number of vertices or by over 1 % in length; that names
-/// panels for a one-sided surface (a Möbius strip); or what [`Topology::new`] finds, such as three panels on one edge.
+/// not follow each other on the boundary, sides that differ in their number of vertices or by over
+/// 1 % in length; that names panels for a one-sided surface (a Möbius strip); or what
+/// [`Topology::new`] finds, such as three panels on one edge.
 pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     let mut first_rest = vec![0];
     for panel in panels {
@@ -82,7 +87,8 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
         panel_of_face.resize(rest_faces.len(), p);
     }
     turn_doubled_ears(&mut rest_faces, &vertex_of_rest);
-    let mut faces: Vec<[usize; 3]> = rest_faces.iter().map(|face| face.map(|r| vertex_of_rest[r])).collect();
+    let mut faces: Vec<[usize; 3]> =
+        rest_faces.iter().map(|face| face.map(|r| vertex_of_rest[r])).collect();
     let flipped = panels_to_flip(place, panels.len(), &faces, &panel_of_face)?;
     for f in 0..faces.len() {
         if flipped[panel_of_face[f]] {
@@ -95,8 +101,9 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     Ok(Sewn { topology, rest_positions, rest_faces, vertex_of_rest, flipped })
 }
 
-/// Where both of two sewn panels cut the same corner off with one face, the two faces would lie on each other and four would meet
-/// at one edge. There the edge of the second pair is turned to the other diagonal.
+/// Where both of two sewn panels cut the same corner off with one face, the two faces would lie on
+/// each other and four would meet at one edge. There the edge of the second pair is turned to the
+/// other diagonal.
 fn turn_doubled_ears(rest_faces: &mut [[usize; 3]], vertex_of_rest: &[usize]) {
     let mut sides: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(3 * rest_faces.len());
     for (f, face) in rest_faces.iter().enumerate() {
@@ -120,16 +127,27 @@ fn turn_doubled_ears(rest_faces: &mut [[usize; 3]], vertex_of_rest: &[usize]) {
 
 /// Edges of one face only, lower vertex first, sorted.
 fn boundary_edges(panel: &Panel) -> Vec<[usize; 2]> {
-    let sides = |face: &[usize; 3]| [0, 1, 2].map(|k| [face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3])]);
+    let sides = |face: &[usize; 3]| {
+        [0, 1, 2].map(|k| [face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3])])
+    };
     let mut edges: Vec<[usize; 2]> = panel.faces.iter().flat_map(sides).collect();
     edges.sort_unstable();
     edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).map(|same| same[0]).collect()
 }
 
-fn check_seam(place: &str, name: &str, panels: &[Panel], boundaries: &[Vec<[usize; 2]>], seam: &Seam<'_>) -> Result<()> {
+fn check_seam(
+    place: &str,
+    name: &str,
+    panels: &[Panel],
+    boundaries: &[Vec<[usize; 2]>],
+    seam: &Seam<'_>,
+) -> Result<()> {
     let length = |(p, chain): (usize, &[usize])| -> Result<f64> {
         let Some(panel) = panels.get(p) else {
-            let message = format!("{name} names a panel that does not exist; there are {}, counted from 0", panels.len());
+            let message = format!(
+                "{name} names a panel that does not exist; there are {}, counted from 0",
+                panels.len()
+            );
             return Err(Error::mesh(place, message));
         };
         let mut length_m = 0.0;
@@ -137,7 +155,8 @@ fn check_seam(place: &str, name: &str, panels: &[Panel], boundaries: &[Vec<[usiz
             let (i, j) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
             if boundaries[p].binary_search(&[i, j]).is_err() {
                 let message = format!(
-                    "{name}: vertices {} and {} of panel {p} do not follow each other on its boundary; sew along sides only",
+                    "{name}: vertices {} and {} of panel {p} do not follow each other on its \
+                     boundary; sew along sides only",
                     pair[0], pair[1]
                 );
                 return Err(Error::mesh(place, message));
@@ -172,8 +191,14 @@ fn unite(root: &mut [usize], i: usize, j: usize) {
     root[i.max(j)] = i.min(j);
 }
 
-/// `[panels]` which panels to flip so that faces on a common edge run along it in opposite directions.
-fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_of_face: &[usize]) -> Result<Vec<bool>> {
+/// `[panels]` which panels to flip so that faces on a common edge run along it in opposite
+/// directions.
+fn panels_to_flip(
+    place: &str,
+    panel_count: usize,
+    faces: &[[usize; 3]],
+    panel_of_face: &[usize],
+) -> Result<Vec<bool>> {
     // [edge, whether the face runs upwards along it, panel]
     let mut half_edges: Vec<([usize; 2], bool, usize)> = Vec::with_capacity(3 * faces.len());
     for (face, &p) in faces.iter().zip(panel_of_face) {
@@ -210,9 +235,14 @@ fn panels_to_flip(place: &str, panel_count: usize, faces: &[[usize; 3]], panel_o
                         queue.push_back((q, wanted));
                     }
                     Some(chosen) if chosen != wanted => {
-                        let between = if p == q { format!("of panel {p} with itself") } else { format!("between panels {p} and {q}") };
+                        let between = if p == q {
+                            format!("of panel {p} with itself")
+                        } else {
+                            format!("between panels {p} and {q}")
+                        };
                         let message = format!(
-                            "the seams {between} make a surface with only one side, like a Möbius strip; reverse a chain of one of them"
+                            "the seams {between} make a surface with only one side, like a Möbius \
+                             strip; reverse a chain of one of them"
                         );
                         return Err(Error::mesh(place, message));
                     }
@@ -230,9 +260,11 @@ mod tests {
 
     #[test]
     fn two_panels_that_cut_the_same_corners_make_a_pillow() {
-        let panel = Panel::new("p", &Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
+        let panel =
+            Panel::new("p", &Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
         let panels = [panel.clone(), panel.clone()];
-        let seams: Vec<Seam<'_>> = panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
+        let seams: Vec<Seam<'_>> =
+            panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
         let sewn = sew("pillow", &panels, &seams).unwrap();
         assert!(sewn.topology.edge_faces.iter().all(|faces| faces[1] != crate::mesh::NONE));
         let area = |f: &[usize; 3]| {
@@ -240,7 +272,10 @@ mod tests {
             0.5 * (b - a).perp(&(c - a)).abs()
         };
         let total: f64 = sewn.rest_faces.iter().map(area).sum();
-        assert!((total - 2.0 * 1.4 * 0.74).abs() < 1e-12 && sewn.rest_faces.iter().all(|f| area(f) > 1e-4));
+        assert!(
+            (total - 2.0 * 1.4 * 0.74).abs() < 1e-12
+                && sewn.rest_faces.iter().all(|f| area(f) > 1e-4)
+        );
     }
     use crate::mesh::panel::Outline;
 
@@ -258,7 +293,8 @@ mod tests {
         for &e in &boundary {
             unite(&mut root, t.edges[e][0], t.edges[e][1]);
         }
-        let mut roots: Vec<usize> = boundary.iter().map(|&e| find(&mut root, t.edges[e][0])).collect();
+        let mut roots: Vec<usize> =
+            boundary.iter().map(|&e| find(&mut root, t.edges[e][0])).collect();
         roots.sort_unstable();
         roots.dedup();
         roots.len()
@@ -286,7 +322,12 @@ mod tests {
     fn vertices_are_numbered_by_their_lowest_rest_vertex() {
         let panels = [rectangle(0.5, 0.5), rectangle(0.5, 0.5)];
         let left = reversed(panels[1].side("left").unwrap());
-        let sewn = sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap();
+        let sewn = sew(
+            "two",
+            &panels,
+            &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }],
+        )
+        .unwrap();
         assert_eq!(sewn.flipped, [false, false]);
         let mut next = 0;
         for &v in &sewn.vertex_of_rest {
@@ -302,7 +343,12 @@ mod tests {
         let back = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 2).unwrap();
         let panels = [disk, back];
         let rim = panels[0].side("rim").unwrap();
-        let sewn = sew("balloon", &panels, &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }]).unwrap();
+        let sewn = sew(
+            "balloon",
+            &panels,
+            &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }],
+        )
+        .unwrap();
         assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (2, 0));
         assert_eq!(sewn.flipped, [false, true]);
         for (f, rest) in sewn.rest_faces.iter().enumerate() {
@@ -315,7 +361,8 @@ mod tests {
     #[test]
     fn one_sided_surfaces_are_refused() {
         let panel = rectangle(1.0, 0.5);
-        let seam = Seam { a: (0, panel.side("left").unwrap()), b: (0, panel.side("right").unwrap()) };
+        let seam =
+            Seam { a: (0, panel.side("left").unwrap()), b: (0, panel.side("right").unwrap()) };
         let message = sew("strip", std::slice::from_ref(&panel), &[seam]).unwrap_err().to_string();
         assert!(message.contains("Möbius"), "{message}");
         // The same from two panels: one seam fits, the other is twisted.
@@ -323,28 +370,46 @@ mod tests {
         let [left, right] = ["left", "right"].map(|s| panels[0].side(s).unwrap());
         let back = reversed(right);
         let twisted = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, left) }];
-        assert!(sew("strip", &panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1"));
+        assert!(
+            sew("strip", &panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1")
+        );
         let front = reversed(left);
-        let straight = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, &front) }];
+        let straight =
+            [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, &front) }];
         assert_eq!(euler(&sew("ring", &panels, &straight).unwrap().topology), 0);
     }
 
     #[test]
     fn unusable_seams_are_named() {
         let panels = [rectangle(1.0, 0.5), rectangle(1.0, 0.52), rectangle(1.0, 0.503)];
-        let message = |a: (usize, &[usize]), b: (usize, &[usize])| sew("bag", &panels, &[Seam { a, b }]).unwrap_err().to_string();
+        let message = |a: (usize, &[usize]), b: (usize, &[usize])| {
+            sew("bag", &panels, &[Seam { a, b }]).unwrap_err().to_string()
+        };
         let [bottom, right] = ["bottom", "right"].map(|s| panels[0].side(s).unwrap());
         let text = message((0, bottom), (1, right));
-        assert!(text.contains("seam 0 (panel 0 to panel 1) joins 11 vertices over 1.000000 m to 6 vertices over 0.520000 m"), "{text}");
+        assert!(
+            text.contains(
+                "seam 0 (panel 0 to panel 1) joins 11 vertices over 1.000000 m to 6 \
+            vertices over 0.520000 m"
+            ),
+            "{text}"
+        );
         assert!(message((0, right), (1, right)).contains("within 1 %"));
         assert!(message((0, right), (3, right)).contains("does not exist"));
         assert!(message((0, &[0, 2]), (1, &[0, 2])).contains("vertices 0 and 2 of panel 0"));
         assert!(message((0, &[0, 9999]), (1, &[0, 1])).contains("9999"));
         assert!(message((0, &[0]), (1, &[0])).contains("1 vertices"));
         assert!(sew("bag", &panels, &[Seam { a: (0, right), b: (2, right) }]).is_ok());
-        let text = sew("bag", &panels, &[Seam { a: (0, right), b: (0, right) }, Seam { a: (0, right), b: (2, right) }]);
+        let text = sew(
+            "bag",
+            &panels,
+            &[Seam { a: (0, right), b: (0, right) }, Seam { a: (0, right), b: (2, right) }],
+        );
         assert!(text.is_ok(), "a side sewn to itself changes nothing");
-        let thrice = [Seam { a: (0, bottom), b: (1, bottom) }, Seam { a: (0, bottom), b: (2, bottom) }];
-        assert!(sew("bag", &panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces"));
+        let thrice =
+            [Seam { a: (0, bottom), b: (1, bottom) }, Seam { a: (0, bottom), b: (2, bottom) }];
+        assert!(
+            sew("bag", &panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces")
+        );
     }
 }

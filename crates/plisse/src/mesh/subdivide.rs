@@ -1,16 +1,19 @@
-//! Loop subdivision: each face becomes four, and smooth positions of the fine vertices are weighted means of coarse ones ([`Masks`]).
+//! Loop subdivision: each face becomes four, and smooth positions of the fine vertices are weighted
+//! means of coarse ones ([`Masks`]).
 //!
-//! Rest panels are refined linearly ([`refine_rest`]), so that fine rest vertices stay in their flat panels and seams stay cut. All of it takes
-//! linear time.
+//! Rest panels are refined linearly ([`refine_rest`]), so that fine rest vertices stay in their
+//! flat panels and seams stay cut. All of it takes linear time.
 
 use std::ops::{Add, Mul};
 
 use super::masks::Masks;
 use super::{NONE, Topology};
 
-/// One step of Loop subdivision of a mesh: its fine connectivity, and weights for what is smooth everywhere or has creases. Fine vertices are
-/// the `V` coarse ones under their old numbers, then `V + e` on each coarse edge `e`. Coarse face `f` becomes fine faces `4f + k`, k = 0, 1, 2:
-/// (corner k, middle of side k, middle of side k+2), and `4f + 3`: (middles of sides 0, 1, 2), all with the orientation of `f`.
+/// One step of Loop subdivision of a mesh: its fine connectivity, and weights for what is smooth
+/// everywhere or has creases. Fine vertices are the `V` coarse ones under their old numbers, then
+/// `V + e` on each coarse edge `e`. Coarse face `f` becomes fine faces `4f + k`, k = 0, 1, 2:
+/// (corner k, middle of side k, middle of side k+2), and `4f + 3`: (middles of sides 0, 1, 2), all
+/// with the orientation of `f`.
 pub struct Subdivision<'a> {
     coarse: &'a Topology,
     around: EdgesAround,
@@ -27,10 +30,11 @@ impl<'a> Subdivision<'a> {
         refine_topology(self.coarse, &self.around)
     }
 
-    /// Weights of the fine vertices. Edges with a true `crease` (`[E]`, or empty for none) are smoothed like boundary
-    /// edges, only along themselves. Vertices with two crease or boundary edges move along these, with more they stay fixed, and with one
-    /// (where a crease ends) they are smoothed as if there were none. Vertices with a true `corner` (`[V]` or fewer, or empty for
-    /// none; missing ones are not) stay fixed too.
+    /// Weights of the fine vertices. Edges with a true `crease` (`[E]`, or empty for none) are
+    /// smoothed like boundary edges, only along themselves. Vertices with two crease or boundary
+    /// edges move along these, with more they stay fixed, and with one (where a crease ends) they
+    /// are smoothed as if there were none. Vertices with a true `corner` (`[V]` or fewer, or empty
+    /// for none; missing ones are not) stay fixed too.
     ///
     /// # Panics
     /// If `crease` is neither empty nor of length E.
@@ -39,9 +43,10 @@ impl<'a> Subdivision<'a> {
     }
 }
 
-/// Rest vertices and faces refined linearly: coarse rest vertices, then the middle of each rest edge (sorted, lower vertex
-/// first); faces four for each in the order of [`Subdivision`], so that they match its fine faces one to one, corner by corner.
-/// `positions` are `[R]` points in panels or in space (m), `faces` `[F][3]` rest vertices.
+/// Rest vertices and faces refined linearly: coarse rest vertices, then the middle of each rest
+/// edge (sorted, lower vertex first); faces four for each in the order of [`Subdivision`], so that
+/// they match its fine faces one to one, corner by corner. `positions` are `[R]` points in panels
+/// or in space (m), `faces` `[F][3]` rest vertices.
 ///
 /// # Panics
 /// If a face names a rest vertex that does not exist.
@@ -57,7 +62,11 @@ where
 }
 
 /// The four parts of each face.
-fn split_faces(vertex_count: usize, faces: &[[usize; 3]], face_edges: &[[usize; 3]]) -> Vec<[usize; 3]> {
+fn split_faces(
+    vertex_count: usize,
+    faces: &[[usize; 3]],
+    face_edges: &[[usize; 3]],
+) -> Vec<[usize; 3]> {
     let mut fine = Vec::with_capacity(4 * faces.len());
     for (&[a, b, c], sides) in faces.iter().zip(face_edges) {
         let [ab, bc, ca] = sides.map(|e| vertex_count + e);
@@ -66,9 +75,10 @@ fn split_faces(vertex_count: usize, faces: &[[usize; 3]], face_edges: &[[usize; 
     fine
 }
 
-/// The fine connectivity, equal to `Topology::new` of its faces but without sorting all of them: halves of coarse edges sort
-/// by (coarse vertex, coarse edge) and so lie in the order of `around`; edges within coarse faces sort by their two coarse
-/// edges. (Only where two coarse faces share all three vertices, fine edges may have both ends in common.)
+/// The fine connectivity, equal to `Topology::new` of its faces but without sorting all of them:
+/// halves of coarse edges sort by (coarse vertex, coarse edge) and so lie in the order of `around`;
+/// edges within coarse faces sort by their two coarse edges. (Only where two coarse faces share all
+/// three vertices, fine edges may have both ends in common.)
 fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
     let (vertex_count, edge_count) = (coarse.vertex_count, coarse.edge_count());
     let fine_faces = split_faces(vertex_count, &coarse.faces, &coarse.face_edges);
@@ -81,10 +91,14 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
         for &e in around.of(v) {
             halves[e][usize::from(v == coarse.edges[e][1])] = edges.len();
             edges.push([v, vertex_count + e]);
-            edge_faces.push(coarse.edge_faces[e].map(|f| if f == NONE { NONE } else { 4 * f + coarse.corner_of(f, v) }));
+            edge_faces.push(
+                coarse.edge_faces[e]
+                    .map(|f| if f == NONE { NONE } else { 4 * f + coarse.corner_of(f, v) }),
+            );
         }
     }
-    // Edges inside a coarse face cut off its corner k; sorted by bucket of the lower of the two sides that meet there.
+    // Edges inside a coarse face cut off its corner k; sorted by bucket of the lower of the two
+    // sides that meet there.
     let sides_at = |f: usize, k: usize| {
         let (a, b) = (coarse.face_edges[f][k], coarse.face_edges[f][(k + 2) % 3]);
         (a.min(b), a.max(b))
@@ -121,25 +135,36 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
             halves[e][usize::from(v == coarse.edges[e][1])]
         };
         let cut = cut_edges[f];
-        face_edges.extend([0, 1, 2].map(|k| [half(k, face[k]), cut[k], half((k + 2) % 3, face[k])]));
+        face_edges
+            .extend([0, 1, 2].map(|k| [half(k, face[k]), cut[k], half((k + 2) % 3, face[k])]));
         face_edges.push([cut[1], cut[2], cut[0]]);
     }
-    Topology { vertex_count: vertex_count + edge_count, faces: fine_faces, edges, face_edges, edge_faces }
+    Topology {
+        vertex_count: vertex_count + edge_count,
+        faces: fine_faces,
+        edges,
+        face_edges,
+        edge_faces,
+    }
 }
 
-/// `[fine E]` true on the halves of coarse creases (`crease`, `[E]`); `fine` is [`Subdivision::fine`] of a mesh of `coarse_vertex_count` vertices.
+/// `[fine E]` true on the halves of coarse creases (`crease`, `[E]`); `fine` is
+/// [`Subdivision::fine`] of a mesh of `coarse_vertex_count` vertices.
 pub fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool]) -> Vec<bool> {
-    fine.edges.iter().map(|&[v, mid]| v < coarse_vertex_count && crease[mid - coarse_vertex_count]).collect()
+    fine.edges
+        .iter()
+        .map(|&[v, mid]| v < coarse_vertex_count && crease[mid - coarse_vertex_count])
+        .collect()
 }
 
-/// Edges of `faces` (lower vertex first, sorted) and `[F][3]` the edge from corner k to k+1: as in [`Topology`], but any faces
-/// will do, since rest panels need not be one surface.
+/// Edges of `faces` (lower vertex first, sorted) and `[F][3]` the edge from corner k to k+1: as in
+/// [`Topology`], but any faces will do, since rest panels need not be one surface.
 fn rest_edges(vertex_count: usize, faces: &[[usize; 3]]) -> (Vec<[usize; 2]>, Vec<[usize; 3]>) {
     let sides = || {
-        faces
-            .iter()
-            .enumerate()
-            .flat_map(|(f, face)| [0, 1, 2].map(|k| (face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3]), f, k)))
+        faces.iter().enumerate().flat_map(|(f, face)| {
+            [0, 1, 2]
+                .map(|k| (face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3]), f, k))
+        })
     };
     // Bucketed by lower vertex.
     let mut starts = vec![0; vertex_count + 1];
@@ -206,7 +231,8 @@ impl EdgesAround {
 mod tests {
     use super::*;
 
-    /// One step with everything at once; `fine_crease` are the creases halved, to go on refining with.
+    /// One step with everything at once; `fine_crease` are the creases halved, to go on refining
+    /// with.
     #[derive(Debug, PartialEq)]
     struct Refinement {
         fine: Topology,
@@ -217,7 +243,11 @@ mod tests {
     fn refine(coarse: &Topology, crease: &[bool], corner: &[bool]) -> Refinement {
         let step = Subdivision::new(coarse);
         let fine = step.fine();
-        let fine_crease = if crease.is_empty() { Vec::new() } else { halve_creases(&fine, coarse.vertex_count, crease) };
+        let fine_crease = if crease.is_empty() {
+            Vec::new()
+        } else {
+            halve_creases(&fine, coarse.vertex_count, crease)
+        };
         Refinement { fine, fine_crease, masks: step.masks(crease, corner) }
     }
 
@@ -239,17 +269,25 @@ mod tests {
     /// An n x n grid of unit squares, all cut the same way.
     fn grid(n: usize) -> (Topology, Vec<Vec2>) {
         let at = |i: usize, j: usize| j * (n + 1) + i;
-        let positions = (0..=n).flat_map(|j| (0..=n).map(move |i| Vec2::new(i as f64, j as f64))).collect();
-        let cell = |i, j| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]];
+        let positions =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| Vec2::new(i as f64, j as f64))).collect();
+        let cell = |i, j| {
+            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        };
         let faces = (0..n).flat_map(|j| (0..n).flat_map(move |i| cell(i, j))).collect();
         (Topology::new("grid", (n + 1) * (n + 1), faces).unwrap(), positions)
     }
 
     /// The cube [-1, 1]³ with two faces a side, and its 12 true edges as creases.
     fn cube() -> (Topology, Vec<Vec3>, Vec<bool>) {
-        let positions: Vec<Vec3> =
-            (0..8).map(|v| Vec3::new((v & 1) as f64, (v >> 1 & 1) as f64, (v >> 2) as f64) * 2.0 - Vec3::repeat(1.0)).collect();
-        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let positions: Vec<Vec3> = (0..8)
+            .map(|v| {
+                Vec3::new((v & 1) as f64, (v >> 1 & 1) as f64, (v >> 2) as f64) * 2.0
+                    - Vec3::repeat(1.0)
+            })
+            .collect();
+        let quads =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let t = Topology::new("cube", 8, faces).unwrap();
         let crease = t.edges.iter().map(|&[i, j]: &[usize; 2]| (i ^ j).count_ones() == 1).collect();
@@ -258,9 +296,12 @@ mod tests {
 
     /// Two panels sewn: coarse topology, and rest faces that differ from it along the seam.
     fn sewn() -> crate::mesh::sew::Sewn {
-        let panels = [0, 1].map(|seed| Panel::new("p", &Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap());
+        let panels = [0, 1].map(|seed| {
+            Panel::new("p", &Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap()
+        });
         let left = reversed(panels[1].side("left").unwrap());
-        sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
+        sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }])
+            .unwrap()
     }
 
     /// What fine vertex `v` depends on, and how much.
@@ -275,17 +316,27 @@ mod tests {
     #[test]
     fn fine_connectivity_is_that_of_its_faces() {
         let (cube, _, crease) = cube();
-        let (mut annulus, _) = panel(&Outline::Annulus { inner_radius_m: 0.5, outer_radius_m: 1.0 }, 0.2);
+        let (mut annulus, _) =
+            panel(&Outline::Annulus { inner_radius_m: 0.5, outer_radius_m: 1.0 }, 0.2);
         // Faces in another order, whose numbers do not follow those of the vertices.
         annulus.faces.reverse();
         let annulus = Topology::new("reversed", annulus.vertex_count, annulus.faces).unwrap();
-        for (coarse, crease) in [(square().0, vec![]), (grid(3).0, vec![]), (cube, crease), (annulus, vec![]), (sewn().topology, vec![])] {
+        for (coarse, crease) in [
+            (square().0, vec![]),
+            (grid(3).0, vec![]),
+            (cube, crease),
+            (annulus, vec![]),
+            (sewn().topology, vec![]),
+        ] {
             let once = refine(&coarse, &crease, &[]);
             let twice = refine(&once.fine, &once.fine_crease, &[]);
             for (r, c) in [(&once, &coarse), (&twice, &once.fine)] {
                 assert_eq!(r.fine.vertex_count, c.vertex_count + c.edge_count());
                 assert_eq!(r.fine.face_count(), 4 * c.face_count());
-                assert_eq!(r.fine, Topology::new("fine", r.fine.vertex_count, r.fine.faces.clone()).unwrap());
+                assert_eq!(
+                    r.fine,
+                    Topology::new("fine", r.fine.vertex_count, r.fine.faces.clone()).unwrap()
+                );
             }
         }
     }
@@ -304,7 +355,9 @@ mod tests {
             }
             assert_eq!(fine.faces[4 * f + 3], [middle(f, 0), middle(f, 1), middle(f, 2)]);
             for part in 4 * f..4 * f + 4 {
-                assert!((area(fine.faces[part], &all) / area(face, &positions) - 0.25).abs() < 1e-9);
+                assert!(
+                    (area(fine.faces[part], &all) / area(face, &positions) - 0.25).abs() < 1e-9
+                );
             }
         }
     }
@@ -312,9 +365,18 @@ mod tests {
     #[test]
     fn weights_sum_to_one_and_are_positive() {
         let (cube, _, crease) = cube();
-        for r in [refine(&square().0, &[], &[]), refine(&cube, &[], &[]), refine(&cube, &crease, &[])] {
-            assert!(r.masks.apply(&vec![3.0; r.fine.vertex_count]).iter().all(|x| (x - 3.0f64).abs() < 1e-14));
-            assert!((0..r.fine.vertex_count).all(|v| r.masks.row(v).weights.iter().all(|&w| w > 0.0)));
+        for r in
+            [refine(&square().0, &[], &[]), refine(&cube, &[], &[]), refine(&cube, &crease, &[])]
+        {
+            assert!(
+                r.masks
+                    .apply(&vec![3.0; r.fine.vertex_count])
+                    .iter()
+                    .all(|x| (x - 3.0f64).abs() < 1e-14)
+            );
+            assert!(
+                (0..r.fine.vertex_count).all(|v| r.masks.row(v).weights.iter().all(|&w| w > 0.0))
+            );
         }
     }
 
@@ -339,7 +401,10 @@ mod tests {
             assert!((fine[v] - positions[v]).norm() < 1e-14);
         }
         for (e, &[i, j]) in coarse.edges.iter().enumerate() {
-            assert!((fine[coarse.vertex_count + e] - (positions[i] + positions[j]) * 0.5).norm() < 1e-14);
+            assert!(
+                (fine[coarse.vertex_count + e] - (positions[i] + positions[j]) * 0.5).norm()
+                    < 1e-14
+            );
         }
     }
 
@@ -354,9 +419,15 @@ mod tests {
             let from_boundary = r.masks.row(v).vertices.iter().all(|&c| on_boundary[c]);
             if r.fine.boundary_vertices()[v] {
                 assert!(from_boundary);
-                // Squares have rounded corners, since a boundary vertex has two boundary edges there too.
+                // Squares have rounded corners, since a boundary vertex has two boundary edges
+                // there too.
                 let near_corner = v < coarse.vertex_count && corner(positions[v]);
-                assert_eq!((fine[v] - Vec2::new(0.5, 0.5)).amax() > 0.5 - 1e-15, !near_corner, "{v} at {}", fine[v]);
+                assert_eq!(
+                    (fine[v] - Vec2::new(0.5, 0.5)).amax() > 0.5 - 1e-15,
+                    !near_corner,
+                    "{v} at {}",
+                    fine[v]
+                );
             } else {
                 assert!((fine[v] - Vec2::new(0.5, 0.5)).amax() < 0.5);
             }
@@ -371,12 +442,19 @@ mod tests {
             x = r.masks.apply(&x);
             (t, crease) = (r.fine, r.fine_crease);
         }
-        // 12 edges of 8 pieces; their ends, where three creases meet, are fixed, so the cube stays a cube.
+        // 12 edges of 8 pieces; their ends, where three creases meet, are fixed, so the cube stays
+        // a cube.
         assert_eq!(crease.iter().filter(|&&c| c).count(), 96);
         assert!(x.iter().all(|p| (p.amax() - 1.0).abs() < 1e-14));
         assert!((area(&t, &x) - 24.0).abs() < 1e-12);
         for (e, _) in crease.iter().enumerate().filter(|(_, c)| **c) {
-            assert!(t.edges[e].iter().all(|&v| x[v].iter().filter(|c| (c.abs() - 1.0).abs() < 1e-14).count() >= 2));
+            assert!(
+                t.edges[e].iter().all(|&v| x[v]
+                    .iter()
+                    .filter(|c| (c.abs() - 1.0).abs() < 1e-14)
+                    .count()
+                    >= 2)
+            );
         }
     }
 
@@ -420,13 +498,17 @@ mod tests {
     #[test]
     fn rest_faces_match_fine_faces_and_seams_stay_cut() {
         let sewn = sewn();
-        let (mut topology, mut rest, mut rest_faces) = (sewn.topology, sewn.rest_positions, sewn.rest_faces);
+        let (mut topology, mut rest, mut rest_faces) =
+            (sewn.topology, sewn.rest_positions, sewn.rest_faces);
         let mut vertex_of_rest = sewn.vertex_of_rest;
         for _ in 0..2 {
             let before = (rest.len(), rest_faces.clone(), rest.clone());
             topology = refine(&topology, &[], &[]).fine;
             (rest, rest_faces) = refine_rest(&rest, &rest_faces);
-            assert_eq!((rest_faces.len(), &rest[..before.0]), (topology.face_count(), &before.2[..]));
+            assert_eq!(
+                (rest_faces.len(), &rest[..before.0]),
+                (topology.face_count(), &before.2[..])
+            );
             // Every corner leads to one vertex of the surface, and old ones as before.
             let mut vertex_of = vec![NONE; rest.len()];
             for (face, corners) in topology.faces.iter().zip(&rest_faces) {

@@ -1,14 +1,16 @@
-//! Connectivity of a triangle mesh: edges, and who touches whom. Positions live elsewhere, because the same
-//! connectivity carries a rest shape, a pose and fields.
+//! Connectivity of a triangle mesh: edges, and who touches whom. Positions live elsewhere, because
+//! the same connectivity carries a rest shape, a pose and fields.
 
 use crate::{Error, Result};
 
 /// "No such face": the second entry of [`Topology::edge_faces`] on a boundary edge.
 pub const NONE: usize = usize::MAX;
 
-/// Connectivity of an orientable manifold triangle mesh (with or without boundary). Never changes after it is built.
+/// Connectivity of an orientable manifold triangle mesh (with or without boundary). Never changes
+/// after it is built.
 ///
-/// Vertices, edges and faces are counted from 0. Edges are sorted, so their numbers do not depend on the order of the faces.
+/// Vertices, edges and faces are counted from 0. Edges are sorted, so their numbers do not depend
+/// on the order of the faces.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Topology {
     /// Number of vertices, `V`.
@@ -19,7 +21,8 @@ pub struct Topology {
     pub edges: Vec<[usize; 2]>,
     /// `[F][3]` edge from corner `k` to corner `(k+1)%3` of each face.
     pub face_edges: Vec<[usize; 3]>,
-    /// `[E][2]` faces on each edge; the second is [`NONE`] on the boundary. The lower face comes first.
+    /// `[E][2]` faces on each edge; the second is [`NONE`] on the boundary. The lower face comes
+    /// first.
     pub edge_faces: Vec<[usize; 2]>,
 }
 
@@ -28,7 +31,8 @@ impl Topology {
     ///
     /// # Errors
     /// [`Error::Mesh`] naming face or edge for: an index out of range, a face with a repeated vertex, an edge on three or more
-    /// faces, two faces that run along their common edge in the same direction (inconsistent orientation), an isolated vertex.
+    /// faces, two faces that run along their common edge in the same direction (inconsistent
+    /// orientation), an isolated vertex.
     pub fn new(place: &str, vertex_count: usize, faces: Vec<[usize; 3]>) -> Result<Self> {
         if faces.is_empty() {
             return Err(Error::mesh(place, "the mesh has no faces; give a triangle mesh"));
@@ -41,18 +45,27 @@ impl Topology {
                 if i >= vertex_count {
                     return Err(Error::mesh(
                         place,
-                        format!("face {f} names vertex {i}, but there are only {vertex_count} vertices; correct the index"),
+                        format!(
+                            "face {f} names vertex {i}, but there are only {vertex_count} \
+                             vertices; correct the index"
+                        ),
                     ));
                 }
                 if i == j {
-                    return Err(Error::mesh(place, format!("face {f} names vertex {i} twice; remove the face")));
+                    return Err(Error::mesh(
+                        place,
+                        format!("face {f} names vertex {i} twice; remove the face"),
+                    ));
                 }
                 used[i] = true;
                 half_edges.push(([i.min(j), i.max(j)], f, k, i < j));
             }
         }
         if let Some(v) = used.iter().position(|u| !u) {
-            return Err(Error::mesh(place, format!("vertex {v} belongs to no face; remove the isolated vertex")));
+            return Err(Error::mesh(
+                place,
+                format!("vertex {v} belongs to no face; remove the isolated vertex"),
+            ));
         }
         half_edges.sort_unstable();
         let mut edges: Vec<[usize; 2]> = Vec::with_capacity(half_edges.len() / 2 + 1);
@@ -68,7 +81,8 @@ impl Topology {
                 return Err(Error::mesh(
                     place,
                     format!(
-                        "edge {}-{} is shared by {count} faces (among them {f} and {}); split the mesh there so that at most two meet",
+                        "edge {}-{} is shared by {count} faces (among them {f} and {}); split the \
+                         mesh there so that at most two meet",
                         edge[0], edge[1], rest[1].1
                     ),
                 ));
@@ -78,7 +92,11 @@ impl Topology {
                 if forward == other_forward {
                     return Err(Error::mesh(
                         place,
-                        format!("faces {f} and {g} disagree about which side is outside (edge {}-{}); flip one of them", edge[0], edge[1]),
+                        format!(
+                            "faces {f} and {g} disagree about which side is outside (edge {}-{}); \
+                             flip one of them",
+                            edge[0], edge[1]
+                        ),
                     ));
                 }
                 face_edges[g][l] = e;
@@ -118,8 +136,9 @@ impl Topology {
         on_boundary
     }
 
-    /// `+1` if face `f` runs from corner `k` to `k+1` from the lower to the higher vertex, else `-1`: the sign with which
-    /// a one-form on [`Topology::edges`] enters face `f` along its side `k`.
+    /// `+1` if face `f` runs from corner `k` to `k+1` from the lower to the higher vertex, else
+    /// `-1`: the sign with which a one-form on [`Topology::edges`] enters face `f` along its side
+    /// `k`.
     pub fn side_sign(&self, f: usize, k: usize) -> f64 {
         if self.faces[f][k] < self.faces[f][(k + 1) % 3] { 1.0 } else { -1.0 }
     }

@@ -26,15 +26,25 @@ impl Plane {
 
     pub(super) fn nearby(&self, p: &Vec3, reach_m: f64) -> Option<Nearby> {
         let distance_m = self.distance_m(p);
-        (distance_m <= reach_m).then(|| Nearby { distance_m, gradient: self.normal, hessian: Mat3::zeros() })
+        (distance_m <= reach_m).then(|| Nearby {
+            distance_m,
+            gradient: self.normal,
+            hessian: Mat3::zeros(),
+        })
     }
 
     pub(super) fn surface(&self, low: &Vec3, high: &Vec3) -> (Vec<Vec3>, Vec<[usize; 3]>) {
         let u = perpendicular(&self.normal);
         let v = self.normal.cross(&u);
-        let corners = (0..8).map(|mask| Vec3::from_fn(|k, _| if mask >> k & 1 == 1 { high[k] } else { low[k] }) - self.point);
+        let corners = (0..8).map(|mask| {
+            Vec3::from_fn(|k, _| if mask >> k & 1 == 1 { high[k] } else { low[k] }) - self.point
+        });
         let shadow: Vec<[f64; 2]> = corners.map(|c| [c.dot(&u), c.dot(&v)]).collect();
-        let bounds = [0, 1].map(|k| shadow.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s[k]), h.max(s[k]))));
+        let bounds = [0, 1].map(|k| {
+            shadow
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s[k]), h.max(s[k])))
+        });
         let width = bounds.iter().map(|(l, h)| h - l).fold(0.0, f64::max);
         let margin = if width > 0.0 { MARGIN * width } else { 1.0 };
         let at = |k: usize, i: usize| {

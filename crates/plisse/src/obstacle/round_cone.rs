@@ -1,4 +1,5 @@
-//! The convex hull of two balls of which neither contains the other: a cone's slant between two caps, smooth all over.
+//! The convex hull of two balls of which neither contains the other: a cone's slant between two
+//! caps, smooth all over.
 
 use super::sphere::around_point;
 use super::{LEAST_RELATIVE_RADIUS, Nearby, perpendicular, tessellate};
@@ -43,7 +44,8 @@ impl RoundCone {
         Some(Self { from, to, radius, end_radius, axis, length, sine, cosine })
     }
 
-    /// The region of `p` with its signed distance. Regions part along the slant's normals at its two ends.
+    /// The region of `p` with its signed distance. Regions part along the slant's normals at its
+    /// two ends.
     fn locate(&self, p: &Vec3) -> (Region, f64) {
         let offset = p - self.from;
         let along = offset.dot(&self.axis);
@@ -55,7 +57,10 @@ impl RoundCone {
         } else if along_slant > self.cosine * self.length {
             (Region::End, (p - self.to).norm() - self.end_radius)
         } else {
-            (Region::Slant(across, off_axis), self.sine * along + self.cosine * off_axis - self.radius)
+            (
+                Region::Slant(across, off_axis),
+                self.sine * along + self.cosine * off_axis - self.radius,
+            )
         }
     }
 
@@ -70,10 +75,15 @@ impl RoundCone {
             (Region::End, _) => around_point(&(p - self.to), self.end_radius, reach_m),
             (Region::Slant(across, off_axis), distance_m) => {
                 // On the axis every direction around it is as good.
-                let outward = if off_axis > f64::EPSILON * self.length { across / off_axis } else { perpendicular(&self.axis) };
+                let outward = if off_axis > f64::EPSILON * self.length {
+                    across / off_axis
+                } else {
+                    perpendicular(&self.axis)
+                };
                 let around = self.axis.cross(&outward);
                 let gradient = (self.axis * self.sine + outward * self.cosine).normalize();
-                let bend = self.cosine / off_axis.max(LEAST_RELATIVE_RADIUS * self.radius.min(self.end_radius));
+                let bend = self.cosine
+                    / off_axis.max(LEAST_RELATIVE_RADIUS * self.radius.min(self.end_radius));
                 Some(Nearby { distance_m, gradient, hessian: around * around.transpose() * bend })
             }
         }
@@ -91,7 +101,8 @@ impl RoundCone {
         }
         let slant_start = outline[CAP_RINGS - 1];
         let slant_end = [self.length + self.end_radius * self.sine, self.end_radius * self.cosine];
-        let width = self.radius.max(self.end_radius) * std::f64::consts::TAU / tessellate::AROUND as f64;
+        let width =
+            self.radius.max(self.end_radius) * std::f64::consts::TAU / tessellate::AROUND as f64;
         let pieces = (self.length * self.cosine / width).ceil().clamp(1.0, 28.0) as usize;
         for k in 1..pieces {
             let t = k as f64 / pieces as f64;
@@ -99,8 +110,15 @@ impl RoundCone {
         }
         for k in 0..CAP_RINGS {
             let angle = lean + (quarter - lean) * k as f64 / CAP_RINGS as f64;
-            outline.push([self.length + self.end_radius * angle.sin(), self.end_radius * angle.cos()]);
+            outline
+                .push([self.length + self.end_radius * angle.sin(), self.end_radius * angle.cos()]);
         }
-        tessellate::revolve(&self.from, &self.axis, -self.radius, &outline, self.length + self.end_radius)
+        tessellate::revolve(
+            &self.from,
+            &self.axis,
+            -self.radius,
+            &outline,
+            self.length + self.end_radius,
+        )
     }
 }

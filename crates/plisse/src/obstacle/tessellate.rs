@@ -61,15 +61,25 @@ pub(super) fn icosphere(halvings: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
     (directions, faces)
 }
 
-/// Two triangles for each of `columns` × `rows` quads over vertices numbered row by row, facing first × second axis.
+/// Two triangles for each of `columns` × `rows` quads over vertices numbered row by row, facing
+/// first × second axis.
 pub(super) fn grid(columns: usize, rows: usize) -> Vec<[usize; 3]> {
     let quads = (0..rows).flat_map(|j| (0..columns).map(move |i| j * (columns + 1) + i));
-    quads.flat_map(|v| [[v, v + 1, v + columns + 2], [v, v + columns + 2, v + columns + 1]]).collect()
+    quads
+        .flat_map(|v| [[v, v + 1, v + columns + 2], [v, v + columns + 2, v + columns + 1]])
+        .collect()
 }
 
-/// The body that `outline` (distance along the axis and off it) sweeps around the unit `axis` through `origin`, with a pole at
-/// `start` before its first ring and one at `end` after its last, all m.
-pub(super) fn revolve(origin: &Vec3, axis: &Vec3, start: f64, outline: &[[f64; 2]], end: f64) -> (Vec<Vec3>, Vec<[usize; 3]>) {
+/// The body that `outline` (distance along the axis and off it) sweeps around the unit `axis`
+/// through `origin`, with a pole at `start` before its first ring and one at `end` after its last,
+/// all m.
+pub(super) fn revolve(
+    origin: &Vec3,
+    axis: &Vec3,
+    start: f64,
+    outline: &[[f64; 2]],
+    end: f64,
+) -> (Vec<Vec3>, Vec<[usize; 3]>) {
     let u = perpendicular(axis);
     let v = axis.cross(&u);
     let mut positions = vec![origin + axis * start];

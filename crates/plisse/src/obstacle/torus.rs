@@ -23,12 +23,16 @@ impl Torus {
         Self { centre, axis, radius, tube }
     }
 
-    /// Outward unit vector from the axis at `p`, and how far from it `p` is. On the axis every direction is as good.
+    /// Outward unit vector from the axis at `p`, and how far from it `p` is. On the axis every
+    /// direction is as good.
     fn out(&self, p: &Vec3) -> (Vec3, f64) {
         let offset = p - self.centre;
         let off = offset - self.axis * self.axis.dot(&offset);
         let distance = off.norm();
-        (if distance > f64::MIN_POSITIVE { off / distance } else { perpendicular(&self.axis) }, distance)
+        (
+            if distance > f64::MIN_POSITIVE { off / distance } else { perpendicular(&self.axis) },
+            distance,
+        )
     }
 
     pub(super) fn distance_m(&self, p: &Vec3) -> f64 {
@@ -45,12 +49,14 @@ impl Torus {
             return None;
         }
         let gradient = if length > f64::MIN_POSITIVE { from_middle / length } else { self.axis };
-        // Around the tube as around a point in its cross-section, around the axis as fast as the middle's direction turns: the gradient's
-        // part along `out`, over the distance from the axis.
+        // Around the tube as around a point in its cross-section, around the axis as fast as the
+        // middle's direction turns: the gradient's part along `out`, over the distance from the
+        // axis.
         let around = self.axis.cross(&out);
         let section: Mat3 = tangent_projection(&gradient) - around * around.transpose();
         let least = LEAST_RELATIVE_RADIUS * self.tube;
-        let hessian = section / length.max(least) + around * around.transpose() * (gradient.dot(&out) / off.max(least));
+        let hessian = section / length.max(least)
+            + around * around.transpose() * (gradient.dot(&out) / off.max(least));
         Some(Nearby { distance_m, gradient, hessian })
     }
 
@@ -63,12 +69,16 @@ impl Torus {
             for i in 0..2 * AROUND {
                 let ((sine, cosine), (up, far)) = (angle(i, 2 * AROUND), angle(j, ROUND_TUBE));
                 let off = self.radius + self.tube * far;
-                positions.push(self.centre + (u * cosine + v * sine) * off + self.axis * (self.tube * up));
+                positions.push(
+                    self.centre + (u * cosine + v * sine) * off + self.axis * (self.tube * up),
+                );
             }
         }
         let at = |i: usize, j: usize| (j % ROUND_TUBE) * 2 * AROUND + i % (2 * AROUND);
         let quads = (0..ROUND_TUBE).flat_map(|j| (0..2 * AROUND).map(move |i| (i, j)));
-        let faces = quads.flat_map(|(i, j)| [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]);
+        let faces = quads.flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        });
         (positions, faces.collect())
     }
 }

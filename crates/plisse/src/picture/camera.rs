@@ -1,4 +1,5 @@
-//! From where a surface is looked at, and how it fills a view. Orthographic, so a length means the same everywhere.
+//! From where a surface is looked at, and how it fills a view. Orthographic, so a length means the
+//! same everywhere.
 
 use super::Subject;
 use crate::mesh::{Mat3, Vec3};
@@ -23,19 +24,22 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A view of `positions` (m) from `azimuth_deg` (degrees; 0 is the front of `up`, positive walks to the viewer's right)
-    /// and `elevation_deg` (degrees; 90 is straight from above). Positions that are not finite do not count.
+    /// A view of `positions` (m) from `azimuth_deg` (degrees; 0 is the front of `up`, positive
+    /// walks to the viewer's right) and `elevation_deg` (degrees; 90 is straight from above).
+    /// Positions that are not finite do not count.
     pub fn fit(positions: &[Vec3], up: Axis, azimuth_deg: f64, elevation_deg: f64) -> Self {
         let (up, front) = up_and_front(up);
         let right = up.cross(&front);
         let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
         let (sin_elevation, cos_elevation) = elevation_deg.to_radians().sin_cos();
-        let toward = (front * cos_azimuth + right * sin_azimuth) * cos_elevation + up * sin_elevation;
+        let toward =
+            (front * cos_azimuth + right * sin_azimuth) * cos_elevation + up * sin_elevation;
         Self::looking(positions, right * cos_azimuth - front * sin_azimuth, toward)
     }
 
-    /// A sensible view of `positions` (m). A nearly flat surface is seen from its upper or front side, 25° off its normal so that relief
-    /// shows, with its longer extent across the picture; any other one from azimuth 30°, elevation 20°.
+    /// A sensible view of `positions` (m). A nearly flat surface is seen from its upper or front
+    /// side, 25° off its normal so that relief shows, with its longer extent across the picture;
+    /// any other one from azimuth 30°, elevation 20°.
     pub fn automatic(positions: &[Vec3], up: Axis) -> Self {
         match flat_frame(positions, up) {
             Some((right, normal)) => {
@@ -47,8 +51,13 @@ impl Camera {
     }
 
     fn looking(positions: &[Vec3], right: Vec3, toward: Vec3) -> Self {
-        let view_from_world = Mat3::from_rows(&[right.transpose(), toward.cross(&right).transpose(), toward.transpose()]);
-        let bounds = positions.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(view_from_world * p));
+        let view_from_world = Mat3::from_rows(&[
+            right.transpose(),
+            toward.cross(&right).transpose(),
+            toward.transpose(),
+        ]);
+        let bounds =
+            positions.iter().fold(Bounds::EMPTY, |bounds, p| bounds.with(view_from_world * p));
         Self { view_from_world, bounds }
     }
 
@@ -90,7 +99,9 @@ impl Bounds {
     }
 
     fn centre(&self) -> [f64; 2] {
-        [0, 1].map(|k| if self.low[k] <= self.high[k] { self.low[k] / 2.0 + self.high[k] / 2.0 } else { 0.0 })
+        [0, 1].map(|k| {
+            if self.low[k] <= self.high[k] { self.low[k] / 2.0 + self.high[k] / 2.0 } else { 0.0 }
+        })
     }
 }
 
@@ -107,10 +118,16 @@ pub(super) struct Frame {
 impl Frame {
     pub(super) fn new(camera: &Camera, bounds: &Bounds, size: (usize, usize)) -> Self {
         let half = bounds.half_extent();
-        // Two pixels of air on each side, so that a silhouette is anti-aliased on both of its sides.
+        // Two pixels of air on each side, so that a silhouette is anti-aliased on both of its
+        // sides.
         let room = [size.0, size.1].map(|n| (n as f64 / 2.0 - 2.0).max(0.5));
         let pixels_per_metre = (room[0] / half[0]).min(room[1] / half[1]);
-        Self { view_from_world: camera.view_from_world, centre: bounds.centre(), pixels_per_metre, size }
+        Self {
+            view_from_world: camera.view_from_world,
+            centre: bounds.centre(),
+            pixels_per_metre,
+            size,
+        }
     }
 
     pub(super) fn pixels_per_metre(&self) -> f64 {
@@ -136,7 +153,8 @@ fn up_and_front(up: Axis) -> (Vec3, Vec3) {
     }
 }
 
-/// The direction across the picture and the normal of a nearly flat surface; `None` if it is thicker than a tenth of its width.
+/// The direction across the picture and the normal of a nearly flat surface; `None` if it is
+/// thicker than a tenth of its width.
 fn flat_frame(positions: &[Vec3], up: Axis) -> Option<(Vec3, Vec3)> {
     let finite = || positions.iter().filter(|p| p.iter().all(|x| x.is_finite()));
     let count = finite().count();
@@ -155,14 +173,19 @@ fn flat_frame(positions: &[Vec3], up: Axis) -> Option<(Vec3, Vec3)> {
     let eigen = covariance.symmetric_eigen();
     let mut normal: Vec3 = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     let width = |direction: &Vec3| {
-        let (low, high) = finite().map(|p| (p - mean).dot(direction)).fold((0f64, 0f64), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) = finite()
+            .map(|p| (p - mean).dot(direction))
+            .fold((0f64, 0f64), |(l, h), x| (l.min(x), h.max(x)));
         high - low
     };
     let (up, front) = up_and_front(up);
     let seed = [Vec3::x(), Vec3::y(), Vec3::z()]
         .map(|axis| axis - normal * axis.dot(&normal))
         .into_iter()
-        .fold(Vec3::zeros(), |best, axis| if axis.norm() > best.norm() + 1e-6 { axis } else { best })
+        .fold(
+            Vec3::zeros(),
+            |best, axis| if axis.norm() > best.norm() + 1e-6 { axis } else { best },
+        )
         .normalize();
     if normal.dot(&up).abs() > 0.3 {
         normal *= normal.dot(&up).signum();
@@ -171,13 +194,18 @@ fn flat_frame(positions: &[Vec3], up: Axis) -> Option<(Vec3, Vec3)> {
     } else if normal[normal.iamax()] < 0.0 {
         normal = -normal;
     }
-    // The narrowest rectangle around the surface, but a coordinate axis unless another direction is clearly better.
+    // The narrowest rectangle around the surface, but a coordinate axis unless another direction is
+    // clearly better.
     let mut best = (f64::INFINITY, seed, [1.0, 1.0]);
     let some: Vec<Vec3> = finite().step_by(count.div_ceil(20_000)).map(|p| p - mean).collect();
     for degrees in 0..90 {
-        let right = seed * f64::from(degrees).to_radians().cos() + normal.cross(&seed) * f64::from(degrees).to_radians().sin();
+        let right = seed * f64::from(degrees).to_radians().cos()
+            + normal.cross(&seed) * f64::from(degrees).to_radians().sin();
         let extent = [right, normal.cross(&right)].map(|direction| {
-            let (low, high) = some.iter().map(|d| d.dot(&direction)).fold((0f64, 0f64), |(l, h), x| (l.min(x), h.max(x)));
+            let (low, high) = some
+                .iter()
+                .map(|d| d.dot(&direction))
+                .fold((0f64, 0f64), |(l, h), x| (l.min(x), h.max(x)));
             high - low
         });
         let area = extent[0] * extent[1];
@@ -208,12 +236,18 @@ mod tests {
     }
 
     fn sheet(a: Vec3, b: Vec3) -> Vec<Vec3> {
-        (0..=20).flat_map(|i| (0..=20).map(move |j| a * (f64::from(i) / 20.0) + b * (f64::from(j) / 20.0))).collect()
+        (0..=20)
+            .flat_map(|i| {
+                (0..=20).map(move |j| a * (f64::from(i) / 20.0) + b * (f64::from(j) / 20.0))
+            })
+            .collect()
     }
 
     #[test]
     fn a_view_is_a_rotation() {
-        for (up, azimuth, elevation) in [(Axis::X, 10.0, 90.0), (Axis::Y, 200.0, -35.0), (Axis::Z, 30.0, 20.0)] {
+        for (up, azimuth, elevation) in
+            [(Axis::X, 10.0, 90.0), (Axis::Y, 200.0, -35.0), (Axis::Z, 30.0, 20.0)]
+        {
             let m = Camera::fit(&[], up, azimuth, elevation).view_from_world;
             assert!((m * m.transpose() - Mat3::identity()).amax() < 1e-14);
             assert!((m.determinant() - 1.0).abs() < 1e-14);
@@ -224,7 +258,8 @@ mod tests {
 
     #[test]
     fn a_flat_sheet_lies_across_the_picture_and_is_seen_almost_face_on() {
-        let lying = Camera::automatic(&sheet(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0)), Axis::Z);
+        let lying =
+            Camera::automatic(&sheet(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0)), Axis::Z);
         let [right, _, toward] = rows(&lying);
         assert!((right - Vec3::y()).norm() < 1e-9, "{right}");
         assert!((toward.z - 25f64.to_radians().cos()).abs() < 1e-9);

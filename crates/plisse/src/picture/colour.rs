@@ -19,7 +19,8 @@ pub(super) fn srgb_from_light(light: Light) -> [u8; 3] {
     })
 }
 
-/// The light of the viridis map at `t`, 0 (dark violet) to 1 (yellow). A polynomial fit, off by at most two of 255 steps at the ends.
+/// The light of the viridis map at `t`, 0 (dark violet) to 1 (yellow). A polynomial fit, off by at
+/// most two of 255 steps at the ends.
 pub(super) fn viridis(t: f32) -> Light {
     const COEFFICIENTS: [[f32; 3]; 7] = [
         [0.277_727_33, 0.005_407_344_5, 0.334_099_8],
@@ -37,9 +38,9 @@ pub(super) fn viridis(t: f32) -> Light {
     })
 }
 
-/// The light of a phase with this cosine and sine: a tilted circle in Oklab, light yellow at 0, green at π/2, dark blue at π,
-/// red at 3π/2. Both lightness and hue go round once per wave, so isolines show in grey as well. Shrinking both arguments
-/// fades to the circle's middle, a grey.
+/// The light of a phase with this cosine and sine: a tilted circle in Oklab, light yellow at 0,
+/// green at π/2, dark blue at π, red at 3π/2. Both lightness and hue go round once per wave, so
+/// isolines show in grey as well. Shrinking both arguments fades to the circle's middle, a grey.
 pub(super) fn cyclic(cos: f32, sin: f32) -> Light {
     const HUE: (f32, f32) = (-0.087, 0.996);
     let lightness = 0.645 + 0.275 * cos;
@@ -73,12 +74,19 @@ mod tests {
 
     #[test]
     fn viridis_passes_through_its_known_colours() {
-        for (t, expected) in
-            [(0.0, [68, 1, 84]), (0.25, [59, 82, 139]), (0.5, [33, 145, 140]), (0.75, [94, 201, 98]), (1.0, [253, 231, 37])]
-        {
+        for (t, expected) in [
+            (0.0, [68, 1, 84]),
+            (0.25, [59, 82, 139]),
+            (0.5, [33, 145, 140]),
+            (0.75, [94, 201, 98]),
+            (1.0, [253, 231, 37]),
+        ] {
             let got = srgb_from_light(viridis(t));
             for k in 0..3 {
-                assert!(i32::from(got[k]).abs_diff(expected[k]) <= 5, "at {t}: {got:?}, not {expected:?}");
+                assert!(
+                    i32::from(got[k]).abs_diff(expected[k]) <= 5,
+                    "at {t}: {got:?}, not {expected:?}"
+                );
             }
         }
     }

@@ -14,13 +14,19 @@ pub(super) struct Grid {
 
 /// A grid of `m` by `n` cells.
 pub(super) fn grid(m: usize, n: usize, map: impl Fn(f64, f64) -> Vec3) -> Grid {
-    let square: Vec<_> = (0..=n).flat_map(|j| (0..=m).map(move |i| [i as f64 / m as f64, j as f64 / n as f64])).collect();
+    let square: Vec<_> = (0..=n)
+        .flat_map(|j| (0..=m).map(move |i| [i as f64 / m as f64, j as f64 / n as f64]))
+        .collect();
     let mut faces = Vec::new();
     for j in 0..n {
         for i in 0..m {
             let a = j * (m + 1) + i;
             let (b, c, d) = (a + 1, a + m + 1, a + m + 2);
-            faces.extend(if (i + j) % 2 == 0 { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] });
+            faces.extend(if (i + j) % 2 == 0 {
+                [[a, b, d], [a, d, c]]
+            } else {
+                [[a, b, c], [b, d, c]]
+            });
         }
     }
     Grid { positions: square.iter().map(|&[u, v]| map(u, v)).collect(), faces, square }
@@ -36,7 +42,10 @@ impl Grid {
     }
 
     fn corners(&self, f: impl Fn(f64, f64) -> f64) -> Vec<[f64; 3]> {
-        self.faces.iter().map(|face| face.map(|v| f(self.square[v][0], self.square[v][1]))).collect()
+        self.faces
+            .iter()
+            .map(|face| face.map(|v| f(self.square[v][0], self.square[v][1])))
+            .collect()
     }
 }
 
@@ -54,13 +63,27 @@ fn four(
     let wrinkled = grid(fine.0, fine.1, |u, v| base(u, v, amplitude(u, v) * phase(u, v).cos()));
     let millimetres = plain.values(|u, v| 1e3 * amplitude(u, v));
     let corners = plain.corners(phase);
-    let tension: Vec<bool> = plain.faces.iter().map(|f| f.iter().all(|&v| millimetres[v] < 1e-9)).collect();
-    let corners: Vec<_> = corners.into_iter().zip(tension).map(|(c, t)| if t { [f64::NAN; 3] } else { c }).collect();
+    let tension: Vec<bool> =
+        plain.faces.iter().map(|f| f.iter().all(|&v| millimetres[v] < 1e-9)).collect();
+    let corners: Vec<_> =
+        corners.into_iter().zip(tension).map(|(c, t)| if t { [f64::NAN; 3] } else { c }).collect();
     let maximum = millimetres.iter().fold(0f64, |m, &a| m.max(a));
     let panels = [
-        PanelView { title: "Base surface", subject: plain.subject(), paint: Paint::Plain { colour: [196, 204, 214], wireframe: true } },
-        PanelView { title: "Amplitude", subject: plain.subject(), paint: Paint::Scalar { values: &millimetres, maximum, unit: "mm" } },
-        PanelView { title: "Phase", subject: plain.subject(), paint: Paint::Phase { corners: &corners } },
+        PanelView {
+            title: "Base surface",
+            subject: plain.subject(),
+            paint: Paint::Plain { colour: [196, 204, 214], wireframe: true },
+        },
+        PanelView {
+            title: "Amplitude",
+            subject: plain.subject(),
+            paint: Paint::Scalar { values: &millimetres, maximum, unit: "mm" },
+        },
+        PanelView {
+            title: "Phase",
+            subject: plain.subject(),
+            paint: Paint::Phase { corners: &corners },
+        },
         PanelView {
             title: "Wrinkled surface",
             subject: wrinkled.subject(),

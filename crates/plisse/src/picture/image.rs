@@ -24,7 +24,12 @@ impl Image {
     /// # Panics
     /// If there is no such pixel.
     pub fn pixel(&self, x: usize, y: usize) -> [u8; 3] {
-        assert!(x < self.width && y < self.height, "pixel {x}, {y} lies outside {}x{}", self.width, self.height);
+        assert!(
+            x < self.width && y < self.height,
+            "pixel {x}, {y} lies outside {}x{}",
+            self.width,
+            self.height
+        );
         let at = 3 * (y * self.width + x);
         [self.pixels[at], self.pixels[at + 1], self.pixels[at + 2]]
     }
@@ -51,9 +56,14 @@ impl Image {
 /// Writes `image` to `out` as an 8-bit sRGB PNG file.
 ///
 /// # Errors
-/// What `out` answers; also an image without pixels, or with more than 2³¹ − 1 in a row or column, which PNG cannot hold.
+/// What `out` answers; also an image without pixels, or with more than 2³¹ − 1 in a row or column,
+/// which PNG cannot hold.
 pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
-    let side = |n: usize| u32::try_from(n).map_err(|_| io::Error::new(io::ErrorKind::InvalidInput, "the picture is too large for PNG"));
+    let side = |n: usize| {
+        u32::try_from(n).map_err(|_| {
+            io::Error::new(io::ErrorKind::InvalidInput, "the picture is too large for PNG")
+        })
+    };
     let mut encoder = png::Encoder::new(out, side(image.width)?, side(image.height)?);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);

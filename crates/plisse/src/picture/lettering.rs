@@ -1,4 +1,5 @@
-//! Titles and keys: text, colour bars and the scale bar, in whole pixels. `s` is the letter size: 1 gives letters 20 pixels high.
+//! Titles and keys: text, colour bars and the scale bar, in whole pixels. `s` is the letter size: 1
+//! gives letters 20 pixels high.
 
 use super::colour::{Light, srgb_from_light};
 use super::image::Image;
@@ -31,8 +32,17 @@ pub(super) fn width(text: &str, s: usize) -> usize {
     text.chars().count() * LETTER.0 * s
 }
 
-/// Writes `text` with its upper left, middle or right at `at` (pixels), cut to `room` pixels. Letters outside Latin-1 become "?".
-pub(super) fn write(image: &mut Image, text: &str, at: (usize, usize), align: Align, room: usize, s: usize, colour: [u8; 3]) {
+/// Writes `text` with its upper left, middle or right at `at` (pixels), cut to `room` pixels.
+/// Letters outside Latin-1 become "?".
+pub(super) fn write(
+    image: &mut Image,
+    text: &str,
+    at: (usize, usize),
+    align: Align,
+    room: usize,
+    s: usize,
+    colour: [u8; 3],
+) {
     let fitting = room / (LETTER.0 * s);
     let length = text.chars().count();
     let text: String = if length <= fitting {
@@ -53,8 +63,8 @@ pub(super) fn write(image: &mut Image, text: &str, at: (usize, usize), align: Al
     let Ok(_) = Text::with_baseline(&text, Point::zero(), style, Baseline::Top).draw(&mut sheet);
 }
 
-/// Draws a bar of `width`·9/25 pixels centred at `middle` whose colours run from 0 to 1, with a label at each end. Returns
-/// where the right label ends (pixels).
+/// Draws a bar of `width`·9/25 pixels centred at `middle` whose colours run from 0 to 1, with a
+/// label at each end. Returns where the right label ends (pixels).
 pub(super) fn colour_bar(
     image: &mut Image,
     (middle, top): (usize, usize),
@@ -115,13 +125,18 @@ pub(super) fn three_digits(value: f64) -> String {
     }
 }
 
-/// The greatest 1, 2 or 5 times a power of ten not above `longest` (m), and how to write it. `None` if there is none.
+/// The greatest 1, 2 or 5 times a power of ten not above `longest` (m), and how to write it. `None`
+/// if there is none.
 pub(super) fn round_length(longest: f64) -> Option<(f64, String)> {
     if !(longest > 1e-9 && longest < 1e12) {
         return None;
     }
     let power = 10f64.powi(longest.log10().floor() as i32);
-    let length = [5.0, 2.0, 1.0].map(|n| n * power).into_iter().find(|&l| l <= longest * (1.0 + 1e-12)).unwrap_or(power);
+    let length = [5.0, 2.0, 1.0]
+        .map(|n| n * power)
+        .into_iter()
+        .find(|&l| l <= longest * (1.0 + 1e-12))
+        .unwrap_or(power);
     let (unit, name) = match length {
         l if l >= 0.9999 => (1.0, "m"),
         l if l >= 0.9999e-3 => (1e-3, "mm"),
@@ -150,12 +165,21 @@ impl DrawTarget for Sheet<'_> {
     type Color = BinaryColor;
     type Error = std::convert::Infallible;
 
-    fn draw_iter<I: IntoIterator<Item = embedded_graphics::Pixel<BinaryColor>>>(&mut self, pixels: I) -> Result<(), Self::Error> {
+    fn draw_iter<I: IntoIterator<Item = embedded_graphics::Pixel<BinaryColor>>>(
+        &mut self,
+        pixels: I,
+    ) -> Result<(), Self::Error> {
         for embedded_graphics::Pixel(point, ink) in pixels {
-            if let (BinaryColor::On, Ok(x), Ok(y)) = (ink, usize::try_from(point.x), usize::try_from(point.y)) {
+            if let (BinaryColor::On, Ok(x), Ok(y)) =
+                (ink, usize::try_from(point.x), usize::try_from(point.y))
+            {
                 for dy in 0..self.s {
                     for dx in 0..self.s {
-                        self.image.set(self.left + x * self.s + dx, self.top + y * self.s + dy, self.colour);
+                        self.image.set(
+                            self.left + x * self.s + dx,
+                            self.top + y * self.s + dy,
+                            self.colour,
+                        );
                     }
                 }
             }
@@ -169,7 +193,10 @@ mod tests {
     use super::*;
 
     fn inked(image: &Image) -> Vec<(usize, usize)> {
-        (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y))).filter(|&(x, y)| image.pixel(x, y) != [255; 3]).collect()
+        (0..image.height)
+            .flat_map(|y| (0..image.width).map(move |x| (x, y)))
+            .filter(|&(x, y)| image.pixel(x, y) != [255; 3])
+            .collect()
     }
 
     #[test]
@@ -179,7 +206,9 @@ mod tests {
             write(&mut image, "Wave", (100, 20), align, 200, 1, INK);
             let ink = inked(&image);
             assert!(ink.len() > 60);
-            assert!(ink.iter().all(|&(x, y)| (left..left + 40).contains(&x) && (20..40).contains(&y)));
+            assert!(
+                ink.iter().all(|&(x, y)| (left..left + 40).contains(&x) && (20..40).contains(&y))
+            );
         }
     }
 
@@ -193,12 +222,21 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits_and_lengths_are_round() {
-        let cases =
-            [(0.8324, "0.832"), (9.996, "10.0"), (12.0, "12.0"), (0.0456, "0.0456"), (1234.0, "1230"), (2.5e-7, "2.50e-7"), (0.0, "0")];
+        let cases = [
+            (0.8324, "0.832"),
+            (9.996, "10.0"),
+            (12.0, "12.0"),
+            (0.0456, "0.0456"),
+            (1234.0, "1230"),
+            (2.5e-7, "2.50e-7"),
+            (0.0, "0"),
+        ];
         for (value, text) in cases {
             assert_eq!(three_digits(value), text);
         }
-        for (longest, text) in [(0.07, "50 mm"), (1.0, "1 m"), (0.0021, "2 mm"), (3e-4, "200 \u{b5}m"), (45.0, "20 m")] {
+        for (longest, text) in
+            [(0.07, "50 mm"), (1.0, "1 m"), (0.0021, "2 mm"), (3e-4, "200 \u{b5}m"), (45.0, "20 m")]
+        {
             assert_eq!(round_length(longest).unwrap().1, text);
         }
         assert!(round_length(f64::NAN).is_none() && round_length(0.0).is_none());

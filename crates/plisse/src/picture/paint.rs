@@ -1,7 +1,7 @@
 //! The colour of what is seen: one view of one panel, without its lettering.
 //!
-//! Every pixel is the mean, in linear light, of 2×2 samples. Normals are in view space (right, up, toward the viewer) and
-//! always turned toward the viewer, so both sides of a surface are lit.
+//! Every pixel is the mean, in linear light, of 2×2 samples. Normals are in view space (right, up,
+//! toward the viewer) and always turned toward the viewer, so both sides of a surface are lit.
 
 use super::camera::Frame;
 use super::colour::{self, Light};
@@ -32,35 +32,53 @@ pub(super) fn paint(paint: Paint, surface: &Surface) -> Painted {
     let own = surface.own;
     let body = colour::light_from_srgb(BODY_SRGB);
     let shade = |colour: &(dyn Fn(&Facet, usize, usize) -> Light + Sync)| {
-        shade(surface, |facet, x, y| if facet.number < own { colour(facet, x, y) } else { lit(facet.normal(x, y).0, body) })
+        shade(surface, |facet, x, y| {
+            if facet.number < own { colour(facet, x, y) } else { lit(facet.normal(x, y).0, body) }
+        })
     };
     let mut painted = Painted { image: Image::blank(0, 0), relief_gain: 1.0, unwrinkled: false };
     painted.image = match paint {
         Paint::Plain { colour, wireframe: true } => {
             let material = colour::light_from_srgb(colour);
             let border = border_sides(surface.positions.len(), &surface.faces);
-            shade(&|facet, x, y| wire(&facet.triangle, border[facet.number], x, y, lit(facet.flat_normal(), material)))
+            shade(&|facet, x, y| {
+                wire(
+                    &facet.triangle,
+                    border[facet.number],
+                    x,
+                    y,
+                    lit(facet.flat_normal(), material),
+                )
+            })
         }
         Paint::Plain { colour, wireframe: false } => {
             let material = colour::light_from_srgb(colour);
-            let relief = Relief::measure(&surface.seen, own, |f, x, y| surface.facet(f).normal(x, y).0);
+            let relief =
+                Relief::measure(&surface.seen, own, |f, x, y| surface.facet(f).normal(x, y).0);
             painted.relief_gain = relief.gain;
             shade(&|facet, x, y| lit(relief.steepened(facet.normal(x, y).0, x, y), material))
         }
         Paint::Scalar { values, maximum, .. } => {
-            let map: Vec<Light> = (0..=MAP).map(|i| colour::viridis(i as f32 / MAP as f32)).collect();
+            let map: Vec<Light> =
+                (0..=MAP).map(|i| colour::viridis(i as f32 / MAP as f32)).collect();
             let maximum = usable_maximum(maximum);
             shade(&|facet, x, y| {
                 let (normal, weights) = facet.normal(x, y);
                 let corners = surface.faces[facet.number];
-                let value: f64 = (0..3).map(|k| weights[k] * values.get(corners[k]).copied().unwrap_or(f64::NAN)).sum();
-                let paint =
-                    if value.is_finite() { map[((value / maximum).clamp(0.0, 1.0) * MAP as f64).round() as usize] } else { [0.35; 3] };
+                let value: f64 = (0..3)
+                    .map(|k| weights[k] * values.get(corners[k]).copied().unwrap_or(f64::NAN))
+                    .sum();
+                let paint = if value.is_finite() {
+                    map[((value / maximum).clamp(0.0, 1.0) * MAP as f64).round() as usize]
+                } else {
+                    [0.35; 3]
+                };
                 tinted(normal, paint)
             })
         }
         Paint::Phase { corners } => {
-            let of_face = |f: usize| corners.get(f).copied().filter(|c| c.iter().all(|p| p.is_finite()));
+            let of_face =
+                |f: usize| corners.get(f).copied().filter(|c| c.iter().all(|p| p.is_finite()));
             painted.unwrinkled = (0..own).any(|f| of_face(f).is_none());
             shade(&|facet, x, y| {
                 let Some(phase) = of_face(facet.number) else { return [0.0; 3] };
@@ -83,7 +101,8 @@ pub(super) fn usable_maximum(maximum: f64) -> f64 {
 /// Steps of the amplitude's colour map.
 const MAP: usize = 1023;
 
-/// A subject and the bodies around it, made ready for one view. Panels that show the same subject share it.
+/// A subject and the bodies around it, made ready for one view. Panels that show the same subject
+/// share it.
 pub(super) struct Surface<'a> {
     /// The first so many faces are the subject's.
     own: usize,
@@ -132,7 +151,8 @@ impl<'a> Surface<'a> {
 
     /// Face `f`, which must be one that is seen.
     fn facet(&self, f: usize) -> Facet<'_> {
-        let triangle = self.projected.triangle(self.faces[f]).expect("a face that is seen has a triangle");
+        let triangle =
+            self.projected.triangle(self.faces[f]).expect("a face that is seen has a triangle");
         let sign = if triangle.faces_viewer() { 1.0 } else { -1.0 };
         let normals = self.faces[f].map(|v| self.normals[v].map(|x| sign * f64::from(x)));
         Facet { number: f, triangle, normals, surface: self }
@@ -152,11 +172,13 @@ impl Facet<'_> {
     /// Smooth normal and barycentric coordinates at sample `x`, `y`.
     fn normal(&self, x: usize, y: usize) -> (Normal, [f64; 3]) {
         let weights = self.triangle.weights(x, y);
-        let normal = unit([0, 1, 2].map(|c| (0..3).map(|k| weights[k] * self.normals[k][c]).sum::<f64>()));
+        let normal =
+            unit([0, 1, 2].map(|c| (0..3).map(|k| weights[k] * self.normals[k][c]).sum::<f64>()));
         if normal == [0.0; 3] {
             return (self.flat_normal(), weights);
         }
-        // Past a silhouette the smooth normal of a face that is still seen points away; mirrored, it varies without a jump.
+        // Past a silhouette the smooth normal of a face that is still seen points away; mirrored,
+        // it varies without a jump.
         ([normal[0], normal[1], normal[2].abs()], weights)
     }
 
@@ -170,7 +192,8 @@ impl Facet<'_> {
     }
 }
 
-/// Colours every pixel from the samples in it; `colour(facet, x, y)` is the light of a sample where a face is seen.
+/// Colours every pixel from the samples in it; `colour(facet, x, y)` is the light of a sample where
+/// a face is seen.
 fn shade(surface: &Surface, colour: impl Fn(&Facet, usize, usize) -> Light + Sync) -> Image {
     let seen = &surface.seen;
     let mut image = Image::blank(seen.width / SAMPLES, seen.height / SAMPLES);
@@ -191,7 +214,11 @@ fn shade(surface: &Surface, colour: impl Fn(&Facet, usize, usize) -> Light + Syn
                     [1.0; 3]
                 } else {
                     let known = facet.take().filter(|known| known.number == face as usize);
-                    colour(facet.insert(known.unwrap_or_else(|| surface.facet(face as usize))), x, y)
+                    colour(
+                        facet.insert(known.unwrap_or_else(|| surface.facet(face as usize))),
+                        x,
+                        y,
+                    )
                 };
                 covered |= face != NOTHING;
                 for k in 0..3 {
@@ -206,8 +233,8 @@ fn shade(surface: &Surface, colour: impl Fn(&Facet, usize, usize) -> Light + Syn
     image
 }
 
-/// Light from a material: a grazing key light from the upper left that models relief, a soft fill from the right, a little
-/// of both from all around, and a mild gloss.
+/// Light from a material: a grazing key light from the upper left that models relief, a soft fill
+/// from the right, a little of both from all around, and a mild gloss.
 fn lit(normal: Normal, material: Light) -> Light {
     const KEY: Normal = [-0.704, 0.503, 0.503];
     const FILL: Normal = [0.683, 0.098, 0.724];
@@ -228,15 +255,16 @@ fn tinted(normal: Normal, colour: Light) -> Light {
     colour.map(|c| c * shade)
 }
 
-/// How much of a wave is left at `radians_per_sample`: 1 where samples resolve it, 0 from two samples per wave on, so that
-/// unresolved waves become even grey instead of a false pattern.
+/// How much of a wave is left at `radians_per_sample`: 1 where samples resolve it, 0 from two
+/// samples per wave on, so that unresolved waves become even grey instead of a false pattern.
 fn resolved(radians_per_sample: f64) -> f64 {
     let t = ((radians_per_sample / std::f64::consts::PI - 0.5) / 0.5).clamp(0.0, 1.0);
     1.0 - t * t * (3.0 - 2.0 * t)
 }
 
-/// `under` with the sides of the triangle drawn over it. Every face draws its own half of a line, so a hidden line is hidden
-/// like its face. `border` tells which sides have no neighbour; there the face draws the whole line.
+/// `under` with the sides of the triangle drawn over it. Every face draws its own half of a line,
+/// so a hidden line is hidden like its face. `border` tells which sides have no neighbour; there
+/// the face draws the whole line.
 fn wire(triangle: &Triangle, border: [bool; 3], x: usize, y: usize, under: Light) -> Light {
     const INK: Light = [0.012, 0.016, 0.024];
     /// Half of a line's width (samples).
@@ -303,14 +331,18 @@ mod tests {
 
     #[test]
     fn only_sides_of_one_face_are_border() {
-        assert_eq!(border_sides(4, &[[0, 1, 2], [2, 1, 3]]), [[true, false, true], [false, true, true]]);
+        assert_eq!(
+            border_sides(4, &[[0, 1, 2], [2, 1, 3]]),
+            [[true, false, true], [false, true, true]]
+        );
     }
 
     #[test]
     fn no_normal_toward_the_viewer_is_black() {
         for i in 0..200 {
             let (turn, tilt) = (f64::from(i) * 0.7, f64::from(i) / 200.0 * 1.57);
-            let light = lit(unit([turn.cos() * tilt.sin(), turn.sin() * tilt.sin(), tilt.cos()]), [0.5; 3]);
+            let light =
+                lit(unit([turn.cos() * tilt.sin(), turn.sin() * tilt.sin(), tilt.cos()]), [0.5; 3]);
             assert!(light[0] > 0.04);
         }
     }

@@ -1,8 +1,10 @@
-//! Which face is seen at each sample: a z-buffer that keeps face numbers, so that colour is computed once per seen sample.
+//! Which face is seen at each sample: a z-buffer that keeps face numbers, so that colour is
+//! computed once per seen sample.
 //!
-//! Vertices are snapped to 1/256 sample and coverage is decided in integers, so neighbouring faces share every sample of
-//! their common edge exactly once: no holes, no double cover. Threads own bands of rows; within a band faces come in their
-//! order, and of two equally near ones the first stays.
+//! Vertices are snapped to 1/256 sample and coverage is decided in integers, so neighbouring faces
+//! share every sample of their common edge exactly once: no holes, no double cover. Threads own
+//! bands of rows; within a band faces come in their order, and of two equally near ones the first
+//! stays.
 
 use super::camera::Frame;
 use crate::mesh::Vec3;
@@ -22,7 +24,8 @@ const AWAY: i32 = i32::MIN;
 
 /// `[V]` vertices as the sampler sees them.
 pub(super) struct Projected {
-    /// Right and down from the view's corner (1/256 sample); [`AWAY`] if the vertex cannot be drawn.
+    /// Right and down from the view's corner (1/256 sample); [`AWAY`] if the vertex cannot be
+    /// drawn.
     place: Vec<[i32; 2]>,
     /// Toward the viewer (pixels).
     nearness: Vec<f64>,
@@ -53,7 +56,11 @@ impl Projected {
         let corners = face.map(|v| self.place[v].map(i64::from));
         let [a, b, c] = corners;
         let doubled_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        (doubled_area != 0).then(|| Triangle { corners, doubled_area, per_area: 1.0 / doubled_area as f64 })
+        (doubled_area != 0).then(|| Triangle {
+            corners,
+            doubled_area,
+            per_area: 1.0 / doubled_area as f64,
+        })
     }
 }
 
@@ -61,7 +68,8 @@ impl Projected {
 #[derive(Clone, Copy)]
 pub(super) struct Triangle {
     corners: [[i64; 2]; 3],
-    /// Twice the signed area; negative if the corners run counter-clockwise on the screen (where y points down).
+    /// Twice the signed area; negative if the corners run counter-clockwise on the screen (where y
+    /// points down).
     doubled_area: i64,
     /// One over it.
     per_area: f64,
@@ -83,22 +91,28 @@ impl Triangle {
         [1.0 - b - c, b, c]
     }
 
-    /// Gradient over samples (right, down) of what is linear inside the triangle with `values` at its corners.
+    /// Gradient over samples (right, down) of what is linear inside the triangle with `values` at
+    /// its corners.
     pub(super) fn gradient(&self, values: [f64; 3]) -> [f64; 2] {
         let [a, b, c] = self.corners;
         let (ab, ac) = (values[1] - values[0], values[2] - values[0]);
         let scale = SNAP as f64 * self.per_area;
-        [(ab * (c[1] - a[1]) as f64 - ac * (b[1] - a[1]) as f64) * scale, (ac * (b[0] - a[0]) as f64 - ab * (c[0] - a[0]) as f64) * scale]
+        [
+            (ab * (c[1] - a[1]) as f64 - ac * (b[1] - a[1]) as f64) * scale,
+            (ac * (b[0] - a[0]) as f64 - ab * (c[0] - a[0]) as f64) * scale,
+        ]
     }
 
-    /// Height over the side from corner `k` to `k+1`, i.e. the distance of the opposite corner from it (samples).
+    /// Height over the side from corner `k` to `k+1`, i.e. the distance of the opposite corner from
+    /// it (samples).
     pub(super) fn height(&self, k: usize) -> f64 {
         let (from, to) = (self.corners[k], self.corners[(k + 1) % 3]);
         let length = ((to[0] - from[0]) as f64).hypot((to[1] - from[1]) as f64);
         self.doubled_area.abs() as f64 / length / SNAP as f64
     }
 
-    /// First and one past the last sample whose middle can lie inside, along coordinate `axis`, cut to `0..limit`.
+    /// First and one past the last sample whose middle can lie inside, along coordinate `axis`, cut
+    /// to `0..limit`.
     fn range(&self, axis: usize, limit: usize) -> (usize, usize) {
         let [a, b, c] = self.corners.map(|p| p[axis]);
         let first = (a.min(b).min(c) + SNAP / 2 - 1).div_euclid(SNAP);
@@ -129,7 +143,14 @@ pub(super) fn see(projected: &Projected, faces: &[[usize; 3]], size: (usize, usi
         for &f in bands.faces(band) {
             let face = faces[f as usize];
             if let Some(triangle) = projected.triangle(face) {
-                fill(&triangle, face.map(|v| projected.nearness[v]), f, (width, top), &mut nearest, rows);
+                fill(
+                    &triangle,
+                    face.map(|v| projected.nearness[v]),
+                    f,
+                    (width, top),
+                    &mut nearest,
+                    rows,
+                );
             }
         }
     });
@@ -154,7 +175,9 @@ fn faces_of_bands(projected: &Projected, faces: &[[usize; 3]], height: usize) ->
     let touched: Vec<(u32, u32)> = faces
         .par_iter()
         .map(|&face| match projected.triangle(face).map(|t| t.range(1, height)) {
-            Some((first, end)) if first < end => ((first / BAND) as u32, ((end - 1) / BAND + 1) as u32),
+            Some((first, end)) if first < end => {
+                ((first / BAND) as u32, ((end - 1) / BAND + 1) as u32)
+            }
             _ => (0, 0),
         })
         .collect();
@@ -178,14 +201,24 @@ fn faces_of_bands(projected: &Projected, faces: &[[usize; 3]], height: usize) ->
     Bands { starts, faces: sorted }
 }
 
-/// Enters face `number` where it is the nearest so far, into rows of `width` samples that start at row `top`.
-fn fill(triangle: &Triangle, nearness: [f64; 3], number: u32, (width, top): (usize, usize), nearest: &mut [f32], rows: &mut [u32]) {
+/// Enters face `number` where it is the nearest so far, into rows of `width` samples that start at
+/// row `top`.
+fn fill(
+    triangle: &Triangle,
+    nearness: [f64; 3],
+    number: u32,
+    (width, top): (usize, usize),
+    nearest: &mut [f32],
+    rows: &mut [u32],
+) {
     let sign = triangle.doubled_area.signum();
-    // Side k runs from corner k+1 to k+2; its value is twice the area between it and the sample, in integers.
+    // Side k runs from corner k+1 to k+2; its value is twice the area between it and the sample, in
+    // integers.
     let side = [0, 1, 2].map(|k| {
         let (from, to) = (triangle.corners[(k + 1) % 3], triangle.corners[(k + 2) % 3]);
         let along = [sign * (to[0] - from[0]), sign * (to[1] - from[1])];
-        // A sample exactly on a side belongs to one of the two faces there: to the one that runs along it this way.
+        // A sample exactly on a side belongs to one of the two faces there: to the one that runs
+        // along it this way.
         let bias = if along[1] < 0 || (along[1] == 0 && along[0] > 0) { 0 } else { -1 };
         (from, along, bias)
     });
@@ -197,14 +230,20 @@ fn fill(triangle: &Triangle, nearness: [f64; 3], number: u32, (width, top): (usi
     for y in first.max(top)..end {
         let py = y as i64 * SNAP + SNAP / 2;
         let px = left as i64 * SNAP + SNAP / 2;
-        let mut value = side.map(|(from, along, bias)| along[0] * (py - from[1]) - along[1] * (px - from[0]) + bias);
+        let mut value = side.map(|(from, along, bias)| {
+            along[0] * (py - from[1]) - along[1] * (px - from[0]) + bias
+        });
         let step = side.map(|(_, along, _)| -along[1] * SNAP);
         let (mut x, mut stop) = (left, right);
         if right - left > 8 {
             // A wide triangle: jump to the run of samples inside all three sides.
             for k in 0..3 {
                 if step[k] > 0 && value[k] < 0 {
-                    x = x.max(left + (-value[k] + step[k] - 1).div_euclid(step[k]).min((right - left) as i64) as usize);
+                    x = x.max(
+                        left + (-value[k] + step[k] - 1)
+                            .div_euclid(step[k])
+                            .min((right - left) as i64) as usize,
+                    );
                 } else if step[k] < 0 {
                     let inside = if value[k] < 0 { 0 } else { value[k].div_euclid(-step[k]) + 1 };
                     stop = stop.min(left + inside.min((right - left) as i64) as usize);
@@ -245,7 +284,10 @@ mod tests {
     /// Vertices given in samples (right, down) and nearness.
     fn projected(vertices: &[[f64; 3]]) -> Projected {
         Projected {
-            place: vertices.iter().map(|v| [v[0], v[1]].map(|c| (c * SNAP as f64).round() as i32)).collect(),
+            place: vertices
+                .iter()
+                .map(|v| [v[0], v[1]].map(|c| (c * SNAP as f64).round() as i32))
+                .collect(),
             nearness: vertices.iter().map(|v| v[2]).collect(),
         }
     }
@@ -266,11 +308,16 @@ mod tests {
 
     #[test]
     fn a_fan_covers_every_sample_once() {
-        // Rim vertices exactly on sample middles and slivers between them: no hole, and removal of any face uncovers only its own.
+        // Rim vertices exactly on sample middles and slivers between them: no hole, and removal of
+        // any face uncovers only its own.
         let mut vertices = vec![[50.5, 50.5, 0.0]];
         for k in 0..64 {
             let t = std::f64::consts::TAU * f64::from(k) / 64.0;
-            vertices.push([(50.5 + 45.0 * t.cos()).floor() + 0.5, (50.5 + 45.0 * t.sin()).floor() + 0.5, 0.0]);
+            vertices.push([
+                (50.5 + 45.0 * t.cos()).floor() + 0.5,
+                (50.5 + 45.0 * t.sin()).floor() + 0.5,
+                0.0,
+            ]);
         }
         let fan: Vec<_> = (0..64).map(|k| [0, 1 + k, 1 + (k + 1) % 64]).collect();
         let p = projected(&vertices);
@@ -280,7 +327,9 @@ mod tests {
         assert_eq!(covered, alone);
         for y in 0..all.height {
             let row = &all.faces[y * all.width..(y + 1) * all.width];
-            if let (Some(first), Some(last)) = (row.iter().position(|&f| f != NOTHING), row.iter().rposition(|&f| f != NOTHING)) {
+            if let (Some(first), Some(last)) =
+                (row.iter().position(|&f| f != NOTHING), row.iter().rposition(|&f| f != NOTHING))
+            {
                 assert!(row[first..=last].iter().all(|&f| f != NOTHING), "hole in row {y}");
             }
         }
@@ -288,13 +337,19 @@ mod tests {
 
     #[test]
     fn wide_and_narrow_triangles_are_filled_alike() {
-        // The same strip once as a wide triangle pair and once cut into columns narrower than the jump.
-        let wide = projected(&[[3.2, 4.1, 0.0], [90.7, 30.3, 0.0], [90.7, 34.9, 0.0], [3.2, 60.0, 0.0]]);
+        // The same strip once as a wide triangle pair and once cut into columns narrower than the
+        // jump.
+        let wide =
+            projected(&[[3.2, 4.1, 0.0], [90.7, 30.3, 0.0], [90.7, 34.9, 0.0], [3.2, 60.0, 0.0]]);
         let seen = see(&wide, &[[0, 1, 2], [0, 2, 3]], (50, 50));
         for y in 0..seen.height {
             for x in 0..seen.width {
-                let inside = [[0, 1, 2], [0, 2, 3]].iter().any(|&f| wide.triangle(f).unwrap().weights(x, y).iter().all(|&w| w > 1e-9));
-                let outside = [[0, 1, 2], [0, 2, 3]].iter().all(|&f| wide.triangle(f).unwrap().weights(x, y).iter().any(|&w| w < -1e-9));
+                let inside = [[0, 1, 2], [0, 2, 3]]
+                    .iter()
+                    .any(|&f| wide.triangle(f).unwrap().weights(x, y).iter().all(|&w| w > 1e-9));
+                let outside = [[0, 1, 2], [0, 2, 3]]
+                    .iter()
+                    .all(|&f| wide.triangle(f).unwrap().weights(x, y).iter().any(|&w| w < -1e-9));
                 let hit = seen.faces[y * seen.width + x] != NOTHING;
                 assert!(if hit { !outside } else { !inside }, "sample {x}, {y}");
             }
@@ -303,11 +358,22 @@ mod tests {
 
     #[test]
     fn the_nearest_face_is_seen_whatever_its_number() {
-        let p = projected(&[[0.0, 0.0, 1.0], [40.0, 0.0, 1.0], [0.0, 40.0, 1.0], [0.0, 0.0, 2.0], [40.0, 0.0, 0.5], [0.0, 40.0, 2.0]]);
+        let p = projected(&[
+            [0.0, 0.0, 1.0],
+            [40.0, 0.0, 1.0],
+            [0.0, 40.0, 1.0],
+            [0.0, 0.0, 2.0],
+            [40.0, 0.0, 0.5],
+            [0.0, 40.0, 2.0],
+        ]);
         for (faces, near) in [([[0, 1, 2], [3, 4, 5]], 1), ([[3, 4, 5], [0, 1, 2]], 0)] {
             let seen = see(&p, &faces, (20, 20));
             assert_eq!(seen.faces[2 * 40 + 2], near);
-            assert_eq!(seen.faces[2 * 40 + 36], 1 - near, "the faces cross; right of the crossing the other one is near");
+            assert_eq!(
+                seen.faces[2 * 40 + 36],
+                1 - near,
+                "the faces cross; right of the crossing the other one is near"
+            );
         }
     }
 
@@ -326,7 +392,10 @@ mod tests {
 
     #[test]
     fn faces_that_cannot_be_drawn_are_left_out() {
-        let p = Projected { place: vec![[0, 0], [5000, 0], [0, 5000], [AWAY, AWAY]], nearness: vec![0.0; 4] };
+        let p = Projected {
+            place: vec![[0, 0], [5000, 0], [0, 5000], [AWAY, AWAY]],
+            nearness: vec![0.0; 4],
+        };
         let seen = see(&p, &[[0, 1, 3], [0, 1, 9], [0, 1, 1], [0, 1, 2]], (20, 20));
         assert!(count(&seen, 3) > 0);
         assert!(seen.faces.iter().all(|&f| f == 3 || f == NOTHING));

@@ -1,8 +1,10 @@
-//! Makes shallow wrinkles visible by light alone: normals lean further from their blurred neighbourhood, as in
-//! [Cignoni 2005] "A simple normal enhancement technique". Shape and silhouette stay exact.
+//! Makes shallow wrinkles visible by light alone: normals lean further from their blurred
+//! neighbourhood, as in [Cignoni 2005] "A simple normal enhancement technique". Shape and
+//! silhouette stay exact.
 //!
-//! The factor is one number per picture, measured: 1 where slopes already read well, eight at most, so a surface without
-//! wrinkles stays plain. Strong slopes (folds, silhouettes, one part in front of another) are left alone, which avoids halos.
+//! The factor is one number per picture, measured: 1 where slopes already read well, eight at most,
+//! so a surface without wrinkles stays plain. Strong slopes (folds, silhouettes, one part in front
+//! of another) are left alone, which avoids halos.
 
 use super::paint::{Normal, unit};
 use super::raster::{NOTHING, Seen};
@@ -28,8 +30,13 @@ pub(super) struct Relief {
 }
 
 impl Relief {
-    /// Measures the relief of the first `own` faces where they are `seen`; `normal(face, x, y)` is the normal at a sample.
-    pub(super) fn measure(seen: &Seen, own: usize, normal: impl Fn(usize, usize, usize) -> Normal) -> Self {
+    /// Measures the relief of the first `own` faces where they are `seen`; `normal(face, x, y)` is
+    /// the normal at a sample.
+    pub(super) fn measure(
+        seen: &Seen,
+        own: usize,
+        normal: impl Fn(usize, usize, usize) -> Normal,
+    ) -> Self {
         let (columns, rows) = (seen.width.div_ceil(CELL), seen.height.div_ceil(CELL));
         let mut sums = vec![[0f64; 3]; columns * rows];
         let mut probes = Vec::new();
@@ -47,7 +54,8 @@ impl Relief {
             }
         }
         let span = |of: &dyn Fn(&(usize, usize, Normal)) -> usize| {
-            let (low, high) = probes.iter().map(of).fold((usize::MAX, 0), |(l, h), c| (l.min(c), h.max(c)));
+            let (low, high) =
+                probes.iter().map(of).fold((usize::MAX, 0), |(l, h), c| (l.min(c), h.max(c)));
             high.saturating_sub(low) as f64 / CELL as f64
         };
         let radius = ((REACH * span(&|p| p.0).hypot(span(&|p| p.1))).round() as usize).max(1);
@@ -66,7 +74,8 @@ impl Relief {
             }
         }
         if count > 0.0 {
-            relief.gain = (WANTED_SLOPE / (squares / count).sqrt().max(1e-9)).clamp(1.0, MOST) as f32;
+            relief.gain =
+                (WANTED_SLOPE / (squares / count).sqrt().max(1e-9)).clamp(1.0, MOST) as f32;
         }
         relief
     }
@@ -83,7 +92,8 @@ impl Relief {
         unit([steep[0], steep[1], steep[2].max(0.02)])
     }
 
-    /// How `n` leans from its neighbourhood's normal, interpolated between the cells around sample `x`, `y`.
+    /// How `n` leans from its neighbourhood's normal, interpolated between the cells around sample
+    /// `x`, `y`.
     fn lean(&self, n: Normal, x: usize, y: usize) -> [f64; 3] {
         let place = |s: usize, cells: usize| {
             let c = ((s as f64 + 0.5) / CELL as f64 - 0.5).clamp(0.0, (cells - 1) as f64);
@@ -93,21 +103,34 @@ impl Relief {
         let (left, right, u) = place(x, self.columns);
         let (top, bottom, v) = place(y, self.smooth.len() / self.columns);
         let mut mean = [0f64; 3];
-        for (row, column, part) in
-            [(top, left, (1.0 - u) * (1.0 - v)), (top, right, u * (1.0 - v)), (bottom, left, (1.0 - u) * v), (bottom, right, u * v)]
-        {
+        for (row, column, part) in [
+            (top, left, (1.0 - u) * (1.0 - v)),
+            (top, right, u * (1.0 - v)),
+            (bottom, left, (1.0 - u) * v),
+            (bottom, right, u * v),
+        ] {
             for k in 0..3 {
                 mean[k] += part * f64::from(self.smooth[row * self.columns + column][k]);
             }
         }
         let mean = unit(mean);
-        if mean == [0.0; 3] { [0.0; 3] } else { [0, 1, 2].map(|k| f64::from(n[k]) - f64::from(mean[k])) }
+        if mean == [0.0; 3] {
+            [0.0; 3]
+        } else {
+            [0, 1, 2].map(|k| f64::from(n[k]) - f64::from(mean[k]))
+        }
     }
 }
 
-/// Replaces each cell of each of `lines` by the sum of the cells up to `radius` before and after it in its line.
-/// `(length, lines)` is the grid, `(step, stride)` the way to the next cell in a line and to the next line.
-fn blur(grid: &mut [[f64; 3]], (length, lines): (usize, usize), (step, stride): (usize, usize), radius: usize) {
+/// Replaces each cell of each of `lines` by the sum of the cells up to `radius` before and after it
+/// in its line. `(length, lines)` is the grid, `(step, stride)` the way to the next cell in a line
+/// and to the next line.
+fn blur(
+    grid: &mut [[f64; 3]],
+    (length, lines): (usize, usize),
+    (step, stride): (usize, usize),
+    radius: usize,
+) {
     let mut before = vec![[0f64; 3]; length + 1];
     for line in 0..lines {
         for i in 0..length {
@@ -115,7 +138,8 @@ fn blur(grid: &mut [[f64; 3]], (length, lines): (usize, usize), (step, stride): 
             before[i + 1] = [0, 1, 2].map(|k| before[i][k] + cell[k]);
         }
         for i in 0..length {
-            let (from, to) = (before[i.saturating_sub(radius)], before[(i + radius + 1).min(length)]);
+            let (from, to) =
+                (before[i.saturating_sub(radius)], before[(i + radius + 1).min(length)]);
             grid[line * stride + i * step] = [0, 1, 2].map(|k| to[k] - from[k]);
         }
     }
@@ -127,7 +151,9 @@ mod tests {
 
     fn measured(slope: f64) -> Relief {
         let seen = Seen { width: 400, height: 200, faces: vec![0; 80_000] };
-        Relief::measure(&seen, usize::MAX, |_, x, _| unit([slope * (x as f64 * 0.3).cos(), 0.0, 1.0]))
+        Relief::measure(&seen, usize::MAX, |_, x, _| {
+            unit([slope * (x as f64 * 0.3).cos(), 0.0, 1.0])
+        })
     }
 
     #[test]
@@ -146,7 +172,9 @@ mod tests {
         let ripple = measured(0.03);
         let before = unit([0.03, 0.0, 1.0]);
         let after = ripple.steepened(before, 200, 100);
-        assert!(after[0] > 3.0 * before[0] && f64::from(after[0]) < (MOST + 0.5) * f64::from(before[0]));
+        assert!(
+            after[0] > 3.0 * before[0] && f64::from(after[0]) < (MOST + 0.5) * f64::from(before[0])
+        );
     }
 
     #[test]

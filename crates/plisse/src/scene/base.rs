@@ -1,7 +1,8 @@
 //! The base surface of a scene; on a fine mesh, by way of a coarse one.
 //!
-//! Panels that start apart and are sewn pull one row of faces across the gap between them: the finer the mesh, the stiffer that row and
-//! the longer the solve. So a coarse mesh of the scene is solved first, and the fine one starts from its base surface.
+//! Panels that start apart and are sewn pull one row of faces across the gap between them: the
+//! finer the mesh, the stiffer that row and the longer the solve. So a coarse mesh of the scene is
+//! solved first, and the fine one starts from its base surface.
 
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQueryWithLocation;
@@ -19,16 +20,26 @@ use crate::{Error, Result};
 const FINE: usize = 8000;
 const COARSE: usize = 2000;
 
-/// The base surface (`[V]`, m) of `scene`, which was built to `built`. From 8,000 vertices on, panels are first solved on a mesh of about
-/// 2,000; the report's seconds are then those of both, its other numbers those of `built`'s mesh.
+/// The base surface (`[V]`, m) of `scene`, which was built to `built`. From 8,000 vertices on,
+/// panels are first solved on a mesh of about 2,000; the report's seconds are then those of both,
+/// its other numbers those of `built`'s mesh.
 ///
 /// # Errors
 /// Those of [`shell::solve_base`].
-pub fn solve_base(scene: &Scene, built: &Built, observer: &dyn Observer) -> Result<(Vec<Vec3>, BaseReport)> {
+pub fn solve_base(
+    scene: &Scene,
+    built: &Built,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, BaseReport)> {
     solve_base_by_way(scene, built, [FINE, COARSE], observer)
 }
 
-fn solve_base_by_way(scene: &Scene, built: &Built, [fine, coarse]: [usize; 2], observer: &dyn Observer) -> Result<(Vec<Vec3>, BaseReport)> {
+fn solve_base_by_way(
+    scene: &Scene,
+    built: &Built,
+    [fine, coarse]: [usize; 2],
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, BaseReport)> {
     if scene.mesh.is_none() && built.topology.vertex_count >= fine {
         // Where that fails, the fine mesh is solved as it is, and tells what is wrong.
         if let Ok(found) = from_coarse(scene, coarse, built, observer) {
@@ -39,10 +50,17 @@ fn solve_base_by_way(scene: &Scene, built: &Built, [fine, coarse]: [usize; 2], o
 }
 
 /// The base surface of `built`, from that of a mesh of `scene` with about so many `vertices` on.
-fn from_coarse(scene: &Scene, vertices: usize, built: &Built, observer: &dyn Observer) -> Result<(Vec<Vec3>, BaseReport)> {
+fn from_coarse(
+    scene: &Scene,
+    vertices: usize,
+    built: &Built,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, BaseReport)> {
     let (_, coarse) = with_vertices(scene, vertices)?;
-    let (pose, first) = shell::solve_base(&coarse.setup(), &coarse.start, &coarse.base, &Renamed(observer))?;
-    let (pose, mut report) = shell::solve_base(&built.setup(), &carried(&coarse, &pose, built)?, &built.base, observer)?;
+    let (pose, first) =
+        shell::solve_base(&coarse.setup(), &coarse.start, &coarse.base, &Renamed(observer))?;
+    let (pose, mut report) =
+        shell::solve_base(&built.setup(), &carried(&coarse, &pose, built)?, &built.base, observer)?;
     report.seconds += first.seconds;
     // What began inside an obstacle did so because coarse faces are flat.
     report.resolved_faces.clear();
@@ -62,21 +80,27 @@ impl Observer for Renamed<'_> {
     }
 }
 
-/// `pose` (`[V]` of `coarse`, m) on the mesh of `fine`: each rest vertex goes where the coarse face that is nearest to it in its panel
-/// takes it, also a little beyond that face's sides. Where panels are sewn, the mean of both. Both meshes are of one scene's panels.
+/// `pose` (`[V]` of `coarse`, m) on the mesh of `fine`: each rest vertex goes where the coarse face
+/// that is nearest to it in its panel takes it, also a little beyond that face's sides. Where
+/// panels are sewn, the mean of both. Both meshes are of one scene's panels.
 fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
     let mut vertex_of_rest = vec![usize::MAX; fine.rest_positions.len()];
     for (rest_face, face) in fine.rest_faces.iter().zip(&fine.topology.faces) {
         rest_face.iter().zip(face).for_each(|(&r, &v)| vertex_of_rest[r] = v);
     }
-    let (mut sum, mut times) = (vec![Vec3::zeros(); fine.topology.vertex_count], vec![0.0; fine.topology.vertex_count]);
+    let (mut sum, mut times) =
+        (vec![Vec3::zeros(); fine.topology.vertex_count], vec![0.0; fine.topology.vertex_count]);
     for (from, to) in coarse.panels.iter().zip(&fine.panels) {
         let surface = rest_surface(coarse, from)?;
         for r in to.rest_vertices.clone().filter(|&r| vertex_of_rest[r] != usize::MAX) {
             let place = &fine.rest_positions[r];
-            let (_, (leaf, _)) = surface.project_local_point_and_get_location(Vector::new(place.x, place.y, place.z), false);
+            let (_, (leaf, _)) = surface.project_local_point_and_get_location(
+                Vector::new(place.x, place.y, place.z),
+                false,
+            );
             let f = from.faces.start + leaf as usize;
-            let weights = barycentric(place, &coarse.rest_faces[f].map(|r| coarse.rest_positions[r]));
+            let weights =
+                barycentric(place, &coarse.rest_faces[f].map(|r| coarse.rest_positions[r]));
             let v = vertex_of_rest[r];
             sum[v] += (0..3).map(|k| pose[coarse.topology.faces[f][k]] * weights[k]).sum::<Vec3>();
             times[v] += 1.0;
@@ -88,12 +112,21 @@ fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
 /// The rest shape of a panel; its n-th triangle is the panel's n-th face.
 fn rest_surface(built: &Built, panel: &BuiltPanel) -> Result<TriMesh> {
     let first = panel.rest_vertices.start;
-    let positions = built.rest_positions[panel.rest_vertices.clone()].iter().map(|p| Vector::new(p.x, p.y, p.z)).collect();
-    let faces = built.rest_faces[panel.faces.clone()].iter().map(|face| face.map(|r| (r - first) as u32)).collect();
-    TriMesh::new(positions, faces).map_err(|error| Error::mesh(panel.name.clone(), format!("the panel cannot be searched: {error}")))
+    let positions = built.rest_positions[panel.rest_vertices.clone()]
+        .iter()
+        .map(|p| Vector::new(p.x, p.y, p.z))
+        .collect();
+    let faces = built.rest_faces[panel.faces.clone()]
+        .iter()
+        .map(|face| face.map(|r| (r - first) as u32))
+        .collect();
+    TriMesh::new(positions, faces).map_err(|error| {
+        Error::mesh(panel.name.clone(), format!("the panel cannot be searched: {error}"))
+    })
 }
 
-/// Barycentric coordinates of the foot of `p` in the plane of a triangle; negative beyond its sides.
+/// Barycentric coordinates of the foot of `p` in the plane of a triangle; negative beyond its
+/// sides.
 fn barycentric(p: &Vec3, [a, b, c]: &[Vec3; 3]) -> [f64; 3] {
     let normal = (b - a).cross(&(c - a));
     let share = |q: &Vec3, r: &Vec3| (q - p).cross(&(r - p)).dot(&normal) / normal.norm_squared();
@@ -107,7 +140,8 @@ mod tests {
     use crate::progress::Silent;
     use crate::scene::parse;
 
-    /// Two sheets before and behind a ball, sewn at the sides; they hang from the ends of their seams, 0.2 m of cloth between 0.1 m.
+    /// Two sheets before and behind a ball, sewn at the sides; they hang from the ends of their
+    /// seams, 0.2 m of cloth between 0.1 m.
     const SHEETS: &str = r#"
         title = "two sheets around a ball"
         material = { young_pa = 1e5, poisson = 0.3, thickness_m = 1e-3, density_kg_m3 = 200.0 }
@@ -144,11 +178,17 @@ mod tests {
     #[test]
     fn fine_meshes_come_to_the_same_base_by_way_of_a_coarse_one_and_sooner() {
         let (scene, built) = with_vertices(&parse("sheets.toml", SHEETS).unwrap(), 2500).unwrap();
-        let (direct, report) = shell::solve_base(&built.setup(), &built.start, &built.base, &Silent).unwrap();
+        let (direct, report) =
+            shell::solve_base(&built.setup(), &built.start, &built.base, &Silent).unwrap();
         let (by_way, shorter) = solve_base_by_way(&scene, &built, [2000, 300], &Silent).unwrap();
         let apart = direct.iter().zip(&by_way).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(apart < 1e-3, "{apart} m apart");
-        assert!(2 * shorter.iterations < report.iterations, "{} and {} iterations", shorter.iterations, report.iterations);
+        assert!(
+            2 * shorter.iterations < report.iterations,
+            "{} and {} iterations",
+            shorter.iterations,
+            report.iterations
+        );
         assert!(shorter.resolved_faces.is_empty());
         // Too few vertices for that.
         assert_eq!(solve_base(&scene, &built, &Silent).unwrap().0, direct);

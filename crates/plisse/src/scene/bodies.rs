@@ -16,11 +16,19 @@ pub(super) fn check(scene: &Scene) -> Result<()> {
         let place = format!("obstacle[{i}]");
         not_blank(&format!("{place}.name"), &table.name)?;
         if let Some(j) = scene.obstacle[..i].iter().position(|other| other.name == table.name) {
-            let message = format!("obstacle[{j}] is called \"{}\", too; give each obstacle a name of its own", table.name);
+            let message = format!(
+                "obstacle[{j}] is called \"{}\", too; give each obstacle a name of its own",
+                table.name
+            );
             return Err(Error::value(format!("{place}.name"), message));
         }
         check_fields(&place, table)?;
-        for (name, point) in [("point_m", table.point_m), ("centre_m", table.centre_m), ("from_m", table.from_m), ("to_m", table.to_m)] {
+        for (name, point) in [
+            ("point_m", table.point_m),
+            ("centre_m", table.centre_m),
+            ("from_m", table.from_m),
+            ("to_m", table.to_m),
+        ] {
             if let Some(point) = point {
                 in_reach(&format!("{place}.{name}"), &point)?;
             }
@@ -87,7 +95,10 @@ fn check_fields(place: &str, table: &ObstacleTable) -> Result<()> {
             _ => continue,
         };
         let fields = [needed, more].concat().join(", ");
-        return Err(Error::value(format!("{place}.{name}"), format!("{kind} {what} (its fields: {fields})")));
+        return Err(Error::value(
+            format!("{place}.{name}"),
+            format!("{kind} {what} (its fields: {fields})"),
+        ));
     }
     Ok(())
 }
@@ -98,10 +109,12 @@ pub(super) fn obstacles(scene: &Scene) -> Result<Vec<Obstacle>> {
         let place = format!("obstacle[{i}]");
         obstacle(scene, &place, table).map_err(|error| match error {
             // The library names the obstacle; a scene names the field.
-            Error::Value { field, message } => match field.strip_prefix(&format!("{}.", table.name)) {
-                Some(name) => Error::value(format!("{place}.{name}"), message),
-                None => Error::Value { field, message },
-            },
+            Error::Value { field, message } => {
+                match field.strip_prefix(&format!("{}.", table.name)) {
+                    Some(name) => Error::value(format!("{place}.{name}"), message),
+                    None => Error::Value { field, message },
+                }
+            }
             other => other,
         })
     };
@@ -113,24 +126,45 @@ fn obstacle(scene: &Scene, place: &str, table: &ObstacleTable) -> Result<Obstacl
     let point = |given: Option<[f64; 3]>| Vec3::from(given.unwrap_or_default());
     let radius = table.radius_m.unwrap_or_default();
     match table.kind {
-        ObstacleKind::Plane => Obstacle::plane(&table.name, point(table.point_m), point(table.normal)),
+        ObstacleKind::Plane => {
+            Obstacle::plane(&table.name, point(table.point_m), point(table.normal))
+        }
         ObstacleKind::Sphere => Obstacle::sphere(&table.name, point(table.centre_m), radius),
         ObstacleKind::Capsule => {
             let end_radius = table.end_radius_m.unwrap_or(radius);
-            Obstacle::capsule(&table.name, point(table.from_m), point(table.to_m), radius, end_radius)
+            Obstacle::capsule(
+                &table.name,
+                point(table.from_m),
+                point(table.to_m),
+                radius,
+                end_radius,
+            )
         }
         ObstacleKind::Ellipsoid => {
             let turn = table.turn.map_or_else(Rotation3::identity, |turn| {
-                Rotation3::from_axis_angle(&Unit::new_normalize(Vec3::from(turn.axis)), turn.angle_deg.to_radians())
+                Rotation3::from_axis_angle(
+                    &Unit::new_normalize(Vec3::from(turn.axis)),
+                    turn.angle_deg.to_radians(),
+                )
             });
-            Obstacle::ellipsoid(&table.name, point(table.centre_m), table.radii_m.unwrap_or_default(), turn)
+            Obstacle::ellipsoid(
+                &table.name,
+                point(table.centre_m),
+                table.radii_m.unwrap_or_default(),
+                turn,
+            )
         }
-        ObstacleKind::Torus => {
-            Obstacle::torus(&table.name, point(table.centre_m), point(table.axis), radius, table.tube_radius_m.unwrap_or_default())
-        }
+        ObstacleKind::Torus => Obstacle::torus(
+            &table.name,
+            point(table.centre_m),
+            point(table.axis),
+            radius,
+            table.tube_radius_m.unwrap_or_default(),
+        ),
         ObstacleKind::Mesh => {
             let path = beside(scene, table.file.as_deref().unwrap_or(&scene.file));
-            let mesh = obj::read(&path).map_err(|error| about_file(&format!("{place}.file"), error))?;
+            let mesh =
+                obj::read(&path).map_err(|error| about_file(&format!("{place}.file"), error))?;
             let scale = table.metres_per_unit.unwrap_or(1.0);
             let positions: Vec<Vec3> = mesh.positions.iter().map(|p| p * scale).collect();
             let place = format!("{}, {place} ({})", scene.file.display(), path.display());
@@ -147,8 +181,10 @@ mod tests {
     /// A sheet above what `obstacles` says; nothing holds it.
     fn built_at(path: &str, obstacles: &str) -> Result<Built> {
         let text = format!(
-            "title = \"t\"\n[material]\nyoung_pa = 1e6\npoisson = 0.3\nthickness_m = 1e-3\ndensity_kg_m3 = 400\n\
-             [[panel]]\nname = \"p\"\nshape = \"rectangle\"\nwidth_m = 3.0\nheight_m = 4.0\nedge_length_m = 1.0\n\
+            "title = \"t\"\n[material]\nyoung_pa = 1e6\npoisson = 0.3\nthickness_m = \
+             1e-3\ndensity_kg_m3 = 400\n\
+             [[panel]]\nname = \"p\"\nshape = \"rectangle\"\nwidth_m = 3.0\nheight_m = \
+             4.0\nedge_length_m = 1.0\n\
              [load]\ngravity_m_s2 = [0, 0, -9.81]\n{obstacles}"
         );
         build(&parse(path, &text)?)
@@ -195,14 +231,21 @@ mod tests {
     #[test]
     fn bodies_are_where_the_scene_says() {
         let b = built(BODIES).unwrap();
-        let distances: Vec<f64> = b.obstacles.iter().map(|body| body.distance_m(&Vec3::zeros())).collect();
+        let distances: Vec<f64> =
+            b.obstacles.iter().map(|body| body.distance_m(&Vec3::zeros())).collect();
         // The turn stands the ellipsoid up.
-        for (found, expected) in distances.iter().zip([3.0, 0.5, 1.5, 0.5, (4.0_f64 + 1.75 * 1.75).sqrt() - 0.75]) {
+        for (found, expected) in
+            distances.iter().zip([3.0, 0.5, 1.5, 0.5, (4.0_f64 + 1.75 * 1.75).sqrt() - 0.75])
+        {
             assert!((found - expected).abs() < 1e-9, "{distances:?}");
         }
         assert_eq!((b.obstacles.len(), b.contact_thickness_m), (5, 0.002));
-        let wide =
-            built(&BODIES.replace("radius_m = 0.5\n", "radius_m = 0.5\nend_radius_m = 1.0\n").replace("thickness_m = 0.002", "")).unwrap();
+        let wide = built(
+            &BODIES
+                .replace("radius_m = 0.5\n", "radius_m = 0.5\nend_radius_m = 1.0\n")
+                .replace("thickness_m = 0.002", ""),
+        )
+        .unwrap();
         assert!((wide.obstacles[2].distance_m(&Vec3::new(2.0, 0.0, 0.0)) - 1.0).abs() < 0.2);
         assert!((wide.contact_thickness_m - 5e-3).abs() < 1e-15, "a thousandth of the diagonal");
     }
@@ -210,26 +253,64 @@ mod tests {
     #[test]
     fn wrong_bodies_name_their_field() {
         for (from, to, field, says) in [
-            ("name = \"ball\"", "name = \"floor\"", "obstacle[1].name", "obstacle[0] is called \"floor\", too"),
+            (
+                "name = \"ball\"",
+                "name = \"floor\"",
+                "obstacle[1].name",
+                "obstacle[0] is called \"floor\", too",
+            ),
             ("name = \"ball\"", "name = \" \"", "obstacle[1].name", "empty"),
             ("normal = [0, 0, 2]", "normal = [0, 0, 0]", "obstacle[0].normal", "no length"),
-            ("normal = [0, 0, 2]", "", "obstacle[0].normal", "a plane needs this; give it (its fields: point_m, normal)"),
-            ("radius_m = 1.5", "radius_m = 1.5\nto_m = [0, 0, 1]", "obstacle[1].to_m", "a sphere has no such field"),
-            ("radius_m = 1.5", "radius_m = -1.5", "obstacle[1].radius_m", "-1.5 is no usable length"),
+            (
+                "normal = [0, 0, 2]",
+                "",
+                "obstacle[0].normal",
+                "a plane needs this; give it (its fields: point_m, normal)",
+            ),
+            (
+                "radius_m = 1.5",
+                "radius_m = 1.5\nto_m = [0, 0, 1]",
+                "obstacle[1].to_m",
+                "a sphere has no such field",
+            ),
+            (
+                "radius_m = 1.5",
+                "radius_m = -1.5",
+                "obstacle[1].radius_m",
+                "-1.5 is no usable length",
+            ),
             ("radius_m = 1.5", "radius_m = 1e8", "obstacle[1].radius_m", "1e6"),
             ("[9, 9, -3]", "[9, 9, nan]", "obstacle[0].point_m", "NaN"),
-            ("[1.5, 1.0, 0.5]", "[1.5, 0.0, 0.5]", "obstacle[3].radii_m[1]", "0 is no usable length"),
+            (
+                "[1.5, 1.0, 0.5]",
+                "[1.5, 0.0, 0.5]",
+                "obstacle[3].radii_m[1]",
+                "0 is no usable length",
+            ),
             ("[1.5, 1.0, 0.5]", "[1.5, 1e-6, 0.5]", "obstacle[3].radii_m", "unlike"),
             ("[0, 2, 0]", "[0, 0, 0]", "obstacle[3].turn.axis", "no length"),
             ("-90", "inf", "obstacle[3].turn.angle_deg", "inf"),
             ("axis = [0, 0, 3]", "axis = [0, 0, 0]", "obstacle[4].axis", "no length"),
             ("axis = [0, 0, 3]", "", "obstacle[4].axis", "a torus needs this"),
-            ("tube_radius_m = 0.75", "tube_radius_m = 1.75", "obstacle[4].tube_radius_m", "closes the hole"),
-            ("thickness_m = 0.002", "thickness_m = 0", "contact.thickness_m", "0 is no usable length"),
+            (
+                "tube_radius_m = 0.75",
+                "tube_radius_m = 1.75",
+                "obstacle[4].tube_radius_m",
+                "closes the hole",
+            ),
+            (
+                "thickness_m = 0.002",
+                "thickness_m = 0",
+                "contact.thickness_m",
+                "0 is no usable length",
+            ),
         ] {
             assert_eq!(BODIES.matches(from).count(), 1, "{from}");
             let text = built(&BODIES.replace(from, to)).unwrap_err().to_string();
-            assert!(text.starts_with(&format!("s.toml, {field}: ")) && text.contains(says), "{from} -> {to}: {text}");
+            assert!(
+                text.starts_with(&format!("s.toml, {field}: ")) && text.contains(says),
+                "{from} -> {to}: {text}"
+            );
         }
     }
 
@@ -238,21 +319,34 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("plisse-bodies-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let scene = folder.join("s.toml");
-        let solid = "v 0 0 -100\nv 100 0 -100\nv 0 100 -100\nv 0 0 -200\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+        let solid = "v 0 0 -100\nv 100 0 -100\nv 0 100 -100\nv 0 0 -200\nf 1 2 3\nf 1 4 2\nf 1 3 \
+            4\nf 2 4 3\n";
         std::fs::write(folder.join("solid.obj"), solid).unwrap();
         std::fs::write(folder.join("holes.obj"), solid.replace("f 1 2 3\n", "")).unwrap();
         let with = |file: &str| {
             built_at(
                 scene.to_str().unwrap(),
-                &format!("[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \"{file}\"\nmetres_per_unit = 0.01"),
+                &format!(
+                    "[[obstacle]]\nname = \"block\"\nkind = \"mesh\"\nfile = \
+                     \"{file}\"\nmetres_per_unit = 0.01"
+                ),
             )
         };
         let b = with("solid.obj").unwrap();
         assert!((b.obstacles[0].distance_m(&Vec3::new(0.1, 0.1, 0.5)) - 1.5).abs() < 1e-12);
         let text = with("holes.obj").unwrap_err().to_string();
-        assert!(text.contains("s.toml, obstacle[0] (") && text.contains("holes.obj): the obstacle has holes"), "{text}");
+        assert!(
+            text.contains("s.toml, obstacle[0] (")
+                && text.contains("holes.obj): the obstacle has holes"),
+            "{text}"
+        );
         let text = with("none.obj").unwrap_err().to_string();
-        assert!(text.contains("s.toml, obstacle[0].file: ") && text.contains("none.obj") && text.contains("spelling"), "{text}");
+        assert!(
+            text.contains("s.toml, obstacle[0].file: ")
+                && text.contains("none.obj")
+                && text.contains("spelling"),
+            "{text}"
+        );
         assert!(with("").unwrap_err().to_string().contains("obstacle[0].file: this is empty"));
         std::fs::remove_dir_all(&folder).unwrap();
     }

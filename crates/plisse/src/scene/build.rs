@@ -1,4 +1,5 @@
-//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into space, held and pushed.
+//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into
+//! space, held and pushed.
 
 use std::ops::Range;
 
@@ -32,8 +33,8 @@ pub struct Built {
     pub topology: Topology,
     /// `[F]` rest metric; grown, if the scene grows.
     pub rest: RestMetric,
-    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z = 0 (or around its own origin, if it is
-    /// closed); or of a mesh's rest shape.
+    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z =
+    /// 0 (or around its own origin, if it is closed); or of a mesh's rest shape.
     pub rest_positions: Vec<Vec3>,
     /// `[F][3]` rest vertices of each face, corner by corner.
     pub rest_faces: Vec<[usize; 3]>,
@@ -41,7 +42,8 @@ pub struct Built {
     pub start: Vec<Vec3>,
     /// What is held, and where.
     pub clamps: Clamps,
-    /// What pushes from outside. A closed part under pressure whose start has a volume has its outside outside.
+    /// What pushes from outside. A closed part under pressure whose start has a volume has its
+    /// outside outside.
     pub loads: Loads,
     /// What the surface may not enter, in the scene's order.
     pub obstacles: Vec<Obstacle>,
@@ -63,7 +65,8 @@ pub struct Built {
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order; none if the scene has a mesh.
     pub panels: Vec<BuiltPanel>,
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files gave them or some panel is closed.
+    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files
+    /// gave them or some panel is closed.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
     /// What readers of files passed over or mended, a sentence each.
     pub notes: Vec<String>,
@@ -103,7 +106,8 @@ impl Built {
         }
     }
 
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`): of the mesh's files, else flat panels side by side.
+    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`): of the mesh's files,
+    /// else flat panels side by side.
     pub fn texture(&self) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
         self.texture.clone().or_else(|| panel_texture(&self.rest_positions, &self.rest_faces))
     }
@@ -124,8 +128,9 @@ pub struct BuiltPanel {
 ///
 /// # Errors
 /// [`Error::Value`] whose field is "file, dotted.field" for: a panel that cannot be cut (see [`Panel::new`]), sewn sides that
-/// do not start at the same place, a file that cannot be opened, a box without vertices, pressure in an open surface, clamps that
-/// contradict each other, a surface or a part of it that nothing holds in some direction, a measure whose line misses its panel.
+/// do not start at the same place, a file that cannot be opened, a box without vertices, pressure
+/// in an open surface, clamps that contradict each other, a surface or a part of it that nothing
+/// holds in some direction, a measure whose line misses its panel.
 /// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses, [`Error::Parse`] for what is no OBJ file.
 ///
 /// [`Panel::new`]: crate::mesh::panel::Panel::new
@@ -137,9 +142,17 @@ pub fn build(scene: &Scene) -> Result<Built> {
 
 fn build_unplaced(scene: &Scene) -> Result<Built> {
     let laid = lay(scene)?;
-    let mut rest = RestMetric::from_shape(&scene.file.display().to_string(), &laid.rest_positions, &laid.rest_faces)?;
+    let mut rest = RestMetric::from_shape(
+        &scene.file.display().to_string(),
+        &laid.rest_positions,
+        &laid.rest_faces,
+    )?;
     if let Some(table) = &scene.growth {
-        rest = growth::maps::expansion(scene, table, &laid)?.act_on(&laid.topology, &laid.start, &rest)?;
+        rest = growth::maps::expansion(scene, table, &laid)?.act_on(
+            &laid.topology,
+            &laid.start,
+            &rest,
+        )?;
     }
     let clamps = hold::clamps(scene, &laid)?;
     let loads = hold::loads(scene, &laid)?;
@@ -161,7 +174,13 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
 }
 
 /// All that is left to make of the scene.
-pub(super) fn assemble(scene: &Scene, laid: Laid, rest: RestMetric, clamps: Clamps, loads: Loads) -> Result<Built> {
+pub(super) fn assemble(
+    scene: &Scene,
+    laid: Laid,
+    rest: RestMetric,
+    clamps: Clamps,
+    loads: Loads,
+) -> Result<Built> {
     Ok(Built {
         title: scene.title.clone(),
         paper: scene.paper.clone(),
@@ -169,7 +188,10 @@ pub(super) fn assemble(scene: &Scene, laid: Laid, rest: RestMetric, clamps: Clam
         clamps,
         loads,
         obstacles: bodies::obstacles(scene)?,
-        contact_thickness_m: scene.contact.thickness_m.unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
+        contact_thickness_m: scene
+            .contact
+            .thickness_m
+            .unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
         material: scene.checked_material()?,
         base: base_options(scene),
         field: field_options(scene),
@@ -229,27 +251,43 @@ fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
             MeasureKind::PeakAmplitude => Quantity::PeakAmplitude,
             MeasureKind::WavesAlong => {
                 let (Some(from), Some(to)) = (table.from_m, table.to_m) else {
-                    return Err(Error::value(format!("measure[{i}]"), "waves_along needs panel, from_m and to_m; give them"));
+                    return Err(Error::value(
+                        format!("measure[{i}]"),
+                        "waves_along needs panel, from_m and to_m; give them",
+                    ));
                 };
-                let panel = laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
+                let panel =
+                    laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
                 let faces = panel.map_or(0..0, |panel| panel.faces.clone());
-                let (pieces, crossings) = cut(from.into(), to.into(), faces, |f| laid.panel_corners(f));
+                let (pieces, crossings) =
+                    cut(from.into(), to.into(), faces, |f| laid.panel_corners(f));
                 if pieces.is_empty() {
-                    let message = "the line to to_m misses the panel; give points in panel coordinates (m)";
+                    let message =
+                        "the line to to_m misses the panel; give points in panel coordinates (m)";
                     return Err(Error::value(format!("measure[{i}].from_m"), message));
                 }
                 Quantity::WavesAlong { pieces, crossings }
             }
             MeasureKind::WavesAround => {
-                let side = laid.side(scene, &format!("measure[{i}].side"), table.side.as_deref().unwrap_or_default())?;
-                let mut chain: Vec<usize> = side.rest_vertices.iter().map(|&r| laid.vertex_of_rest[r]).collect();
+                let side = laid.side(
+                    scene,
+                    &format!("measure[{i}].side"),
+                    table.side.as_deref().unwrap_or_default(),
+                )?;
+                let mut chain: Vec<usize> =
+                    side.rest_vertices.iter().map(|&r| laid.vertex_of_rest[r]).collect();
                 if side.closed {
                     chain.push(chain[0]);
                 }
                 Quantity::WavesAround { chain }
             }
         };
-        probes.push(Probe { name: table.name.clone(), quantity, published: table.published, source: table.source.clone() });
+        probes.push(Probe {
+            name: table.name.clone(),
+            quantity,
+            published: table.published,
+            source: table.source.clone(),
+        });
     }
     Ok(probes)
 }
@@ -274,16 +312,22 @@ mod tests {
     }
 
     fn example(name: &str) -> Built {
-        build(&read(format!("{}/../../examples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()).unwrap()
+        build(&read(format!("{}/../../examples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap())
+            .unwrap()
     }
 
     #[test]
     fn the_cylinder_is_rolled_without_strain_and_its_top_turned() {
         let b = example("01-twisted-cylinder.toml");
-        assert!((670..=700).contains(&b.topology.vertex_count), "{} vertices", b.topology.vertex_count);
+        assert!(
+            (670..=700).contains(&b.topology.vertex_count),
+            "{} vertices",
+            b.topology.vertex_count
+        );
         assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count());
         for s in crate::strain::strain(&b.topology, &b.rest, &b.start) {
-            // A chord of length l on radius 1 is shorter by l²/24, twice of which is strain; edges are at most 0.45 m long.
+            // A chord of length l on radius 1 is shorter by l²/24, twice of which is strain; edges
+            // are at most 0.45 m long.
             assert!(s.principal.iter().all(|p| p.abs() < 0.45 * 0.45 / 12.0), "{:?}", s.principal);
         }
         let (sine, cosine) = 10_f64.to_radians().sin_cos();
@@ -294,7 +338,11 @@ mod tests {
                 assert!(*target == [None; 3] && start.z > 0.0 && start.z < 5.0);
                 continue;
             };
-            let turned = Vec3::new(cosine * start.x - sine * start.y, sine * start.x + cosine * start.y, 5.0);
+            let turned = Vec3::new(
+                cosine * start.x - sine * start.y,
+                sine * start.x + cosine * start.y,
+                5.0,
+            );
             let expected = if start.z == 0.0 { *start } else { turned };
             held[usize::from(start.z > 0.0)] += 1;
             assert!((Vec3::new(x, y, z) - expected).norm() < 1e-12);
@@ -307,25 +355,42 @@ mod tests {
 
     #[test]
     fn the_sheets_of_the_examples_are_as_large_as_published() {
-        for (name, range, end, distance) in
-            [("02-stretched-sheet.toml", 500..540, 0.0, 0.00625), ("03-sheared-rectangle.toml", 970..1030, 0.128, 0.003)]
-        {
+        for (name, range, end, distance) in [
+            ("02-stretched-sheet.toml", 500..540, 0.0, 0.00625),
+            ("03-sheared-rectangle.toml", 970..1030, 0.128, 0.003),
+        ] {
             let b = example(name);
-            assert!(range.contains(&b.topology.vertex_count), "{name}: {} vertices", b.topology.vertex_count);
-            let moved: Vec<f64> = (0..b.start.len()).filter_map(|v| b.clamps.targets[v][0].map(|x| x - b.start[v].x)).collect();
+            assert!(
+                range.contains(&b.topology.vertex_count),
+                "{name}: {} vertices",
+                b.topology.vertex_count
+            );
+            let moved: Vec<f64> = (0..b.start.len())
+                .filter_map(|v| b.clamps.targets[v][0].map(|x| x - b.start[v].x))
+                .collect();
             assert!(moved.iter().any(|d| (d - distance).abs() < 1e-15), "{name}");
-            assert!(b.clamps.targets.iter().all(|t| t[0].is_some() == t[1].is_some() && t[0].is_some() == t[2].is_some()));
+            assert!(
+                b.clamps
+                    .targets
+                    .iter()
+                    .all(|t| t[0].is_some() == t[1].is_some() && t[0].is_some() == t[2].is_some())
+            );
             assert!(b.start.iter().any(|p| p.y == end) && b.probes.len() >= 2);
         }
     }
 
     #[test]
     fn turns_come_before_moves_and_about_their_centre() {
-        let clamp = "[[clamp]]\nside = \"p.left\"\nmove_m = [0.0, 0.0, 1.0]\nturn = { axis = [0, 0, 3], angle_deg = 90, centre_m = [0.0, 0.5, 0.0] }";
+        let clamp = "[[clamp]]\nside = \"p.left\"\nmove_m = [0.0, 0.0, 1.0]\nturn = \
+            { axis = [0, 0, 3], angle_deg = 90, centre_m = [0.0, 0.5, 0.0] }";
         let b = built(clamp).unwrap();
-        for (start, target) in b.start.iter().zip(&b.clamps.targets).filter(|(_, t)| t[0].is_some()) {
+        for (start, target) in b.start.iter().zip(&b.clamps.targets).filter(|(_, t)| t[0].is_some())
+        {
             let expected = [0.5 - start.y, 0.5, 1.0];
-            assert!((0..3).all(|axis| (target[axis].unwrap() - expected[axis]).abs() < 1e-12), "{start:?} {target:?}");
+            assert!(
+                (0..3).all(|axis| (target[axis].unwrap() - expected[axis]).abs() < 1e-12),
+                "{start:?} {target:?}"
+            );
         }
         assert_eq!(b.clamps.held().iter().filter(|h| **h).count(), 6);
     }
@@ -334,10 +399,18 @@ mod tests {
     fn clamps_that_contradict_each_other_are_both_named() {
         let (left, bottom) = ("[[clamp]]\nside = \"p.left\"", "[[clamp]]\nside = \"p.bottom\"");
         let text = message(&format!("{left}\n{bottom}\nmove_m = [0.0, 0.1, 0.0]"));
-        assert!(text.starts_with("s.toml, clamp[1]: \"p.bottom\" takes a vertex to y = 0.1 m"), "{text}");
+        assert!(
+            text.starts_with("s.toml, clamp[1]: \"p.bottom\" takes a vertex to y = 0.1 m"),
+            "{text}"
+        );
         assert!(text.contains("clamp[0] \"p.left\""), "{text}");
         assert!(built(&format!("{left}\n{bottom}")).is_ok());
-        assert!(built(&format!("{left}\naxes = \"xz\"\n{bottom}\naxes = \"y\"\nmove_m = [0.0, 0.1, 0.0]")).is_ok());
+        assert!(
+            built(&format!(
+                "{left}\naxes = \"xz\"\n{bottom}\naxes = \"y\"\nmove_m = [0.0, 0.1, 0.0]"
+            ))
+            .is_ok()
+        );
         // Round-off is no contradiction.
         assert!(built(&format!("{left}\n{bottom}\nmove_m = [0.0, 1e-14, 0.0]")).is_ok());
     }
@@ -348,7 +421,8 @@ mod tests {
         assert!(text.contains("s.toml, clamp: nothing holds the surface"), "{text}");
         let text = message("[[clamp]]\nside = \"p.left\"\naxes = \"xy\"");
         assert!(text.contains("nothing holds panel \"p\"") && text.contains("along z"), "{text}");
-        let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3";
+        let other =
+            "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3";
         let scene = format!("{}\n{other}\n[[clamp]]\nside = \"p.left\"", table_panel());
         let text = build(&parse("s.toml", &scene).unwrap()).unwrap_err().to_string();
         assert!(text.contains("nothing holds panel \"q\"") && text.contains("along x"), "{text}");
@@ -369,17 +443,26 @@ mod tests {
     fn sewn_sides_must_start_at_one_place() {
         let second = |x: f64| {
             format!(
-                "{}\nplace = {{ kind = \"flat\", origin_m = [{x}, 0, 0] }}\n[[seam]]\na = \"p.right\"\nb = \"q.left\"\nreversed = true\n[[clamp]]\nside = \"p.left\"",
-                table_panel() + &table_panel()[table_panel().find("[[panel]]").unwrap()..].replace("\"p\"", "\"q\"")
+                "{}\nplace = {{ kind = \"flat\", origin_m = [{x}, 0, 0] }}\n[[seam]]\na = \
+                 \"p.right\"\nb = \"q.left\"\nreversed = true\n[[clamp]]\nside = \"p.left\"",
+                table_panel()
+                    + &table_panel()[table_panel().find("[[panel]]").unwrap()..]
+                        .replace("\"p\"", "\"q\"")
             )
         };
         let build_at = |x| build(&parse("s.toml", &second(x)).unwrap());
         let b = build_at(1.0).unwrap();
-        assert_eq!((b.topology.vertex_count, b.panels[1].name.as_str()), (b.rest_positions.len() - 6, "q"));
+        assert_eq!(
+            (b.topology.vertex_count, b.panels[1].name.as_str()),
+            (b.rest_positions.len() - 6, "q")
+        );
         assert_eq!(b.start.iter().map(|p| p.x).fold(0.0, f64::max), 2.0);
         assert!(build_at(1.0 + 1e-8).is_ok());
         let text = build_at(1.1).unwrap_err().to_string();
-        assert!(text.contains("s.toml, seam[0]: \"p.right\" and \"q.left\" start 1.000e-1 m apart"), "{text}");
+        assert!(
+            text.contains("s.toml, seam[0]: \"p.right\" and \"q.left\" start 1.000e-1 m apart"),
+            "{text}"
+        );
     }
 
     #[test]
@@ -395,7 +478,9 @@ mod tests {
             clamp = [{ side = "a.outer" }]"#;
         let b = build(&parse("s.toml", text).unwrap()).unwrap();
         assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 1);
-        let apart = build(&parse("s.toml", &text.replace("true", "false")).unwrap()).unwrap_err().to_string();
+        let apart = build(&parse("s.toml", &text.replace("true", "false")).unwrap())
+            .unwrap_err()
+            .to_string();
         assert!(apart.contains("seam[0]"), "{apart}");
     }
 
@@ -403,14 +488,27 @@ mod tests {
     fn options_arrive() {
         let clamp = "[[clamp]]\nside = \"p.left\"\n";
         let b = built(clamp).unwrap();
-        assert_eq!((b.base.iteration_limit, b.field.rule), (BaseOptions::default().iteration_limit, FieldOptions::default().rule));
-        let more = "[base]\ncompressive_stiffness = 0.25\niteration_limit = 7\n[field]\nwrinkle_free = \"published\"\n\
-            without = [\"v1\", \"mixed\", \"relaxed-integrability\"]\ncurvature_rings = 2\niteration_limit = 9\n\
+        assert_eq!(
+            (b.base.iteration_limit, b.field.rule),
+            (BaseOptions::default().iteration_limit, FieldOptions::default().rule)
+        );
+        let more = "[base]\ncompressive_stiffness = 0.25\niteration_limit = \
+            7\n[field]\nwrinkle_free = \"published\"\n\
+            without = [\"v1\", \"mixed\", \"relaxed-integrability\"]\ncurvature_rings = \
+            2\niteration_limit = 9\n\
             [surface]\nlevels = 3\nv1 = true\nv2 = false\n";
         let b = built(&format!("{clamp}{more}")).unwrap();
         assert_eq!((b.base.compressive_stiffness, b.base.iteration_limit), (0.25, 7));
-        assert_eq!((b.field.rule, b.field.curvature_rings, b.field.iteration_limit), (WrinkleFreeRule::Published, 2, 9));
-        assert!(!b.field.terms.v1 && !b.field.terms.mixed && b.field.terms.v2 && !b.field.relaxed_integrability);
+        assert_eq!(
+            (b.field.rule, b.field.curvature_rings, b.field.iteration_limit),
+            (WrinkleFreeRule::Published, 2, 9)
+        );
+        assert!(
+            !b.field.terms.v1
+                && !b.field.terms.mixed
+                && b.field.terms.v2
+                && !b.field.relaxed_integrability
+        );
         assert_eq!((b.levels, b.v1, b.v2), (Some(3), true, false));
         assert_eq!(b.material, Material::new(1e7, 0.3, 1e-4).unwrap());
     }
@@ -419,12 +517,16 @@ mod tests {
     fn lines_beside_their_panel_and_panels_too_fine_are_told() {
         let line = |y: f64| {
             format!(
-                "[[clamp]]\nside = \"p.left\"\n[[measure]]\nname = \"m\"\nkind = \"waves_along\"\npanel = \"p\"\nfrom_m = [0, {y}]\nto_m = [1, {y}]"
+                "[[clamp]]\nside = \"p.left\"\n[[measure]]\nname = \"m\"\nkind = \
+                 \"waves_along\"\npanel = \"p\"\nfrom_m = [0, {y}]\nto_m = [1, {y}]"
             )
         };
         assert!(built(&line(0.5)).is_ok() && built(&line(0.0)).is_ok());
         let text = message(&line(0.6));
-        assert!(text.contains("s.toml, measure[0].from_m: the line to to_m misses the panel"), "{text}");
+        assert!(
+            text.contains("s.toml, measure[0].from_m: the line to to_m misses the panel"),
+            "{text}"
+        );
         let fine = SHEET.replace("edge_length_m = 0.1", "edge_length_m = 1e-5");
         let text = build(&parse("s.toml", &fine).unwrap()).unwrap_err().to_string();
         assert!(text.starts_with("s.toml, panel[0].edge_length_m"), "{text}");

@@ -1,4 +1,5 @@
-//! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that belong to another shape.
+//! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that
+//! belong to another shape.
 
 use super::panels::{check_panel, side_names};
 use super::schema::{MeasureKind, Scene};
@@ -28,28 +29,43 @@ impl Scene {
         self.check_loads()?;
         match &self.mesh {
             None if self.panel.is_empty() => {
-                return Err(Error::value("panel", "the scene has no panel and no mesh; add at least one [[panel]], or a [mesh]"));
+                return Err(Error::value(
+                    "panel",
+                    "the scene has no panel and no mesh; add at least one [[panel]], or a [mesh]",
+                ));
             }
             None => {}
             Some(_) if !self.panel.is_empty() => {
-                return Err(Error::value("mesh", "the scene has panels and a mesh; keep one of them"));
+                return Err(Error::value(
+                    "mesh",
+                    "the scene has panels and a mesh; keep one of them",
+                ));
             }
             Some(_) if !self.seam.is_empty() => {
-                return Err(Error::value("seam", "a mesh is sewn already, and has no sides; remove the seams"));
+                return Err(Error::value(
+                    "seam",
+                    "a mesh is sewn already, and has no sides; remove the seams",
+                ));
             }
             Some(mesh) => garment::check(mesh)?,
         }
         for (i, panel) in self.panel.iter().enumerate() {
             check_panel(&format!("panel[{i}]"), panel)?;
             if let Some(j) = self.panel[..i].iter().position(|other| other.name == panel.name) {
-                let message = format!("panel[{j}] is called \"{}\", too; give each panel a name of its own", panel.name);
+                let message = format!(
+                    "panel[{j}] is called \"{}\", too; give each panel a name of its own",
+                    panel.name
+                );
                 return Err(Error::value(format!("panel[{i}].name"), message));
             }
         }
         for (i, seam) in self.seam.iter().enumerate() {
             let a = self.side(&format!("seam[{i}].a"), &seam.a)?;
             if self.side(&format!("seam[{i}].b"), &seam.b)? == a {
-                let message = format!("\"{}\" is already a; a side cannot be sewn to itself, so name another one", seam.b);
+                let message = format!(
+                    "\"{}\" is already a; a side cannot be sewn to itself, so name another one",
+                    seam.b
+                );
                 return Err(Error::value(format!("seam[{i}].b"), message));
             }
         }
@@ -84,7 +100,10 @@ impl Scene {
             return Err(Error::value(field, "a mesh has no sides; use near_m or within_m"));
         }
         let Some((panel, side)) = reference.rsplit_once('.') else {
-            let message = format!("\"{reference}\" names no side; write it as \"panel.side\", such as \"{}\"", self.sides().join("\", \""));
+            let message = format!(
+                "\"{reference}\" names no side; write it as \"panel.side\", such as \"{}\"",
+                self.sides().join("\", \"")
+            );
             return Err(Error::value(field, message));
         };
         let Some(p) = self.panel.iter().position(|other| other.name == panel) else {
@@ -92,10 +111,16 @@ impl Scene {
         };
         let names = side_names(&self.panel[p]);
         if names.is_empty() {
-            return Err(Error::value(field, format!("panel \"{panel}\" is closed and has no sides; use near_m or within_m")));
+            return Err(Error::value(
+                field,
+                format!("panel \"{panel}\" is closed and has no sides; use near_m or within_m"),
+            ));
         }
         if !names.iter().any(|name| name == side) {
-            let message = format!("panel \"{panel}\" has no side \"{side}\"; its sides are {}", names.join(", "));
+            let message = format!(
+                "panel \"{panel}\" has no side \"{side}\"; its sides are {}",
+                names.join(", ")
+            );
             return Err(Error::value(field, message));
         }
         Ok((p, side.to_owned()))
@@ -103,16 +128,27 @@ impl Scene {
 
     /// All sides, as one may name them; a few of them if there are many.
     fn sides(&self) -> Vec<String> {
-        let all = self.panel.iter().flat_map(|p| side_names(p).into_iter().map(|side| format!("{}.{side}", p.name)));
+        let all = self
+            .panel
+            .iter()
+            .flat_map(|p| side_names(p).into_iter().map(|side| format!("{}.{side}", p.name)));
         all.take(4).collect()
     }
 
     pub(super) fn no_panel(&self, field: &str, name: &str) -> Error {
         if self.panel.is_empty() {
-            return Error::value(field, format!("a mesh has no panels, so there is no \"{name}\"; remove this, or give panels"));
+            return Error::value(
+                field,
+                format!(
+                    "a mesh has no panels, so there is no \"{name}\"; remove this, or give panels"
+                ),
+            );
         }
         let names: Vec<&str> = self.panel.iter().map(|p| p.name.as_str()).collect();
-        Error::value(field, format!("there is no panel \"{name}\"; the panels are {}", names.join(", ")))
+        Error::value(
+            field,
+            format!("there is no panel \"{name}\"; the panels are {}", names.join(", ")),
+        )
     }
 
     fn check_loads(&self) -> Result<()> {
@@ -123,12 +159,16 @@ impl Scene {
         if let Some(density) = density
             && !(0.0..=MOST_DENSITY).contains(&density)
         {
-            return Err(Error::value(field, format!("{density} is no density; give a number from 0 to {MOST_DENSITY:e} kg/m³")));
+            return Err(Error::value(
+                field,
+                format!("{density} is no density; give a number from 0 to {MOST_DENSITY:e} kg/m³"),
+            ));
         }
         if self.load.gravity_m_s2 != [0.0; 3] && density.is_none_or(|density| density == 0.0) {
             return Err(Error::value(
                 field,
-                "gravity needs a density above 0; give it in kg/m³, such as 400.0 for cotton, or remove the gravity",
+                "gravity needs a density above 0; give it in kg/m³, such as 400.0 for cotton, or \
+                 remove the gravity",
             ));
         }
         if let Some(thickness) = self.contact.thickness_m {
@@ -141,7 +181,10 @@ impl Scene {
         if let Some(share) = self.base.compressive_stiffness
             && !(0.0..=1.0).contains(&share)
         {
-            return Err(Error::value("base.compressive_stiffness", format!("{share} is no share; give a number from 0 to 1")));
+            return Err(Error::value(
+                "base.compressive_stiffness",
+                format!("{share} is no share; give a number from 0 to 1"),
+            ));
         }
         within("base.iteration_limit", self.base.iteration_limit, 1, MOST_ITERATIONS)?;
         within("field.iteration_limit", self.field.iteration_limit, 1, MOST_ITERATIONS)?;
@@ -151,10 +194,19 @@ impl Scene {
             let field = format!("field.without[{i}]");
             if name != RELAXED_INTEGRABILITY && Terms::default().without(name).is_none() {
                 let names = Terms::NAMES.join(", ");
-                return Err(Error::value(field, format!("there is no term \"{name}\"; the terms are {names}, {RELAXED_INTEGRABILITY}")));
+                return Err(Error::value(
+                    field,
+                    format!(
+                        "there is no term \"{name}\"; the terms are {names}, \
+                         {RELAXED_INTEGRABILITY}"
+                    ),
+                ));
             }
             if self.field.without[..i].contains(name) {
-                return Err(Error::value(field, format!("\"{name}\" is left out twice; remove one")));
+                return Err(Error::value(
+                    field,
+                    format!("\"{name}\" is left out twice; remove one"),
+                ));
             }
         }
         Ok(())
@@ -165,13 +217,34 @@ impl Scene {
             let field = |name: &str| format!("measure[{i}].{name}");
             not_blank(&field("name"), &measure.name)?;
             if let Some(j) = self.measure[..i].iter().position(|other| other.name == measure.name) {
-                let message = format!("measure[{j}] is called \"{}\", too; give each measure a name of its own", measure.name);
+                let message = format!(
+                    "measure[{j}] is called \"{}\", too; give each measure a name of its own",
+                    measure.name
+                );
                 return Err(Error::value(field("name"), message));
             }
             for (name, given, kind, word, needs) in [
-                ("panel", measure.panel.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
-                ("from_m", measure.from_m.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
-                ("to_m", measure.to_m.is_some(), MeasureKind::WavesAlong, "waves_along", "panel, from_m and to_m"),
+                (
+                    "panel",
+                    measure.panel.is_some(),
+                    MeasureKind::WavesAlong,
+                    "waves_along",
+                    "panel, from_m and to_m",
+                ),
+                (
+                    "from_m",
+                    measure.from_m.is_some(),
+                    MeasureKind::WavesAlong,
+                    "waves_along",
+                    "panel, from_m and to_m",
+                ),
+                (
+                    "to_m",
+                    measure.to_m.is_some(),
+                    MeasureKind::WavesAlong,
+                    "waves_along",
+                    "panel, from_m and to_m",
+                ),
                 ("side", measure.side.is_some(), MeasureKind::WavesAround, "waves_around", "side"),
             ] {
                 let needed = measure.kind == kind;
@@ -187,20 +260,28 @@ impl Scene {
             if let Some(side) = &measure.side {
                 self.side(&field("side"), side)?;
             }
-            if let (Some(panel), Some(from), Some(to)) = (&measure.panel, &measure.from_m, &measure.to_m) {
+            if let (Some(panel), Some(from), Some(to)) =
+                (&measure.panel, &measure.from_m, &measure.to_m)
+            {
                 if !self.panel.iter().any(|p| p.name == *panel) {
                     return Err(self.no_panel(&field("panel"), panel));
                 }
                 in_reach(&field("from_m"), from)?;
                 in_reach(&field("to_m"), to)?;
                 if from == to {
-                    return Err(Error::value(field("to_m"), "this is where the line starts; give another end"));
+                    return Err(Error::value(
+                        field("to_m"),
+                        "this is where the line starts; give another end",
+                    ));
                 }
             }
             if let Some(published) = measure.published
                 && !published.is_finite()
             {
-                return Err(Error::value(field("published"), format!("{published} is no measured number; give it or leave it out")));
+                return Err(Error::value(
+                    field("published"),
+                    format!("{published} is no measured number; give it or leave it out"),
+                ));
             }
         }
         Ok(())
@@ -210,7 +291,10 @@ impl Scene {
 /// An angle in degrees.
 pub(super) fn angle(field: &str, angle_deg: f64) -> Result<()> {
     if angle_deg.is_nan() || angle_deg.abs() > 1e6 {
-        return Err(Error::value(field, format!("{angle_deg} is no usable angle; give degrees between -1e6 and 1e6")));
+        return Err(Error::value(
+            field,
+            format!("{angle_deg} is no usable angle; give degrees between -1e6 and 1e6"),
+        ));
     }
     Ok(())
 }
@@ -219,33 +303,49 @@ pub(super) fn angle(field: &str, angle_deg: f64) -> Result<()> {
 pub(super) fn direction(field: &str, axis: [f64; 3]) -> Result<Vec3> {
     in_reach(field, &axis)?;
     let axis = Vec3::from(axis);
-    axis.try_normalize(1e-100).ok_or_else(|| Error::value(field, "the axis has no length; give a direction such as [0.0, 0.0, 1.0]"))
+    axis.try_normalize(1e-100).ok_or_else(|| {
+        Error::value(field, "the axis has no length; give a direction such as [0.0, 0.0, 1.0]")
+    })
 }
 
 pub(super) fn not_blank(field: &str, text: &str) -> Result<()> {
-    if text.trim().is_empty() { Err(Error::value(field, "this is empty; write a name")) } else { Ok(()) }
+    if text.trim().is_empty() {
+        Err(Error::value(field, "this is empty; write a name"))
+    } else {
+        Ok(())
+    }
 }
 
 pub(super) fn positive(field: &str, value: f64) -> Result<f64> {
     if value > 0.0 && value <= FARTHEST_M {
         Ok(value)
     } else {
-        Err(Error::value(field, format!("{value} is no usable length; give a number of metres above 0 and at most {FARTHEST_M:e}")))
+        Err(Error::value(
+            field,
+            format!(
+                "{value} is no usable length; give a number of metres above 0 and at most \
+                 {FARTHEST_M:e}"
+            ),
+        ))
     }
 }
 
 pub(super) fn in_reach(field: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
         None => Ok(()),
-        Some(value) => Err(Error::value(field, format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"))),
+        Some(value) => Err(Error::value(
+            field,
+            format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"),
+        )),
     }
 }
 
 pub(super) fn within(field: &str, value: Option<usize>, low: usize, high: usize) -> Result<()> {
     match value {
-        Some(value) if !(low..=high).contains(&value) => {
-            Err(Error::value(field, format!("{value} is out of range; give a whole number from {low} to {high}")))
-        }
+        Some(value) if !(low..=high).contains(&value) => Err(Error::value(
+            field,
+            format!("{value} is out of range; give a whole number from {low} to {high}"),
+        )),
         _ => Ok(()),
     }
 }
@@ -282,7 +382,12 @@ mod tests {
             ("name = \"q\"", "name = \"p\"", "panel[1].name", "panel[0] is called \"p\", too"),
             ("name = \"q\"", "name = \"q.r\"", "panel[1].name", "dot"),
             ("width_m = 1.0, ", "", "panel[0].width_m", "a rectangle needs this"),
-            ("width_m = 1.0", "width_m = 1.0, radius_m = 1.0", "panel[0].radius_m", "a rectangle has no such field"),
+            (
+                "width_m = 1.0",
+                "width_m = 1.0, radius_m = 1.0",
+                "panel[0].radius_m",
+                "a rectangle has no such field",
+            ),
             ("width_m = 1.0", "width_m = 0.0", "panel[0].width_m", "0 is no usable length"),
             ("height_m = 0.5", "height_m = 1e10", "panel[0].height_m", "1e9"),
             ("edge_length_m = 0.2", "edge_length_m = inf", "panel[1].edge_length_m", "inf"),
@@ -301,17 +406,47 @@ mod tests {
             ("move_m = [0, 0, 0]", "move_m = [0, 0, 1e300]", "clamp[0].move_m", "finite"),
             ("axis = [0, 0, 1]", "axis = [0, 0, 0]", "clamp[0].turn.axis", "no length"),
             ("angle_deg = 1", "angle_deg = nan", "clamp[0].turn.angle_deg", "NaN"),
-            ("angle_deg = 1", "angle_deg = 1, centre_m = [inf, 0, 0]", "clamp[0].turn.centre_m", "inf"),
+            (
+                "angle_deg = 1",
+                "angle_deg = 1, centre_m = [inf, 0, 0]",
+                "clamp[0].turn.centre_m",
+                "inf",
+            ),
             ("0.5, iteration", "1.5, iteration", "base.compressive_stiffness", "from 0 to 1"),
-            ("0.5, iteration_limit = 10", "0.5, iteration_limit = 0", "base.iteration_limit", "from 1 to 1000000"),
-            ("\"v2\"]", "\"v3\"]", "field.without[1]", "amplitude-gradient, bending, v1, v2, relaxed-integrability"),
+            (
+                "0.5, iteration_limit = 10",
+                "0.5, iteration_limit = 0",
+                "base.iteration_limit",
+                "from 1 to 1000000",
+            ),
+            (
+                "\"v2\"]",
+                "\"v3\"]",
+                "field.without[1]",
+                "amplitude-gradient, bending, v1, v2, relaxed-integrability",
+            ),
             ("\"v2\"]", "\"v1\"]", "field.without[1]", "twice"),
             ("rings = 4", "rings = 21", "field.curvature_rings", "from 1 to 20"),
-            ("4, iteration_limit = 10", "4, iteration_limit = 1000001", "field.iteration_limit", "1000001"),
-            ("levels = 8", "levels = 9", "surface.levels", "9 is out of range; give a whole number from 0 to 8"),
+            (
+                "4, iteration_limit = 10",
+                "4, iteration_limit = 1000001",
+                "field.iteration_limit",
+                "1000001",
+            ),
+            (
+                "levels = 8",
+                "levels = 9",
+                "surface.levels",
+                "9 is out of range; give a whole number from 0 to 8",
+            ),
             ("name = \"n\"", "name = \"m\"", "measure[1].name", "measure[0]"),
             ("panel = \"p\", ", "", "measure[0].panel", "waves_along needs panel, from_m and to_m"),
-            ("\"peak_amplitude\"", "\"peak_amplitude\", to_m = [1, 1]", "measure[1].to_m", "only waves_along"),
+            (
+                "\"peak_amplitude\"",
+                "\"peak_amplitude\", to_m = [1, 1]",
+                "measure[1].to_m",
+                "only waves_along",
+            ),
             ("panel = \"p\"", "panel = \"s\"", "measure[0].panel", "the panels are p, q"),
             ("to_m = [1, 0]", "to_m = [0, 0]", "measure[0].to_m", "another end"),
             ("from_m = [0, 0]", "from_m = [0, nan]", "measure[0].from_m", "NaN"),
@@ -319,9 +454,15 @@ mod tests {
         ] {
             assert_eq!(SCENE.matches(from).count(), 1, "{from}");
             let text = parse("s.toml", &SCENE.replace(from, to)).unwrap_err().to_string();
-            assert!(text.starts_with(&format!("s.toml, {field}: ")) && text.contains(says), "{from} -> {to}: {text}");
+            assert!(
+                text.starts_with(&format!("s.toml, {field}: ")) && text.contains(says),
+                "{from} -> {to}: {text}"
+            );
         }
-        let none = "title = \"t\"\npanel = []\nmaterial = { young_pa = 1, poisson = 0, thickness_m = 1 }";
-        assert!(parse("s.toml", none).unwrap_err().to_string().contains("add at least one [[panel]]"));
+        let none =
+            "title = \"t\"\npanel = []\nmaterial = { young_pa = 1, poisson = 0, thickness_m = 1 }";
+        assert!(
+            parse("s.toml", none).unwrap_err().to_string().contains("add at least one [[panel]]")
+        );
     }
 }

@@ -23,13 +23,17 @@ pub(super) fn check(place: &str, panel: &PanelTable) -> Result<()> {
         }
     }
     if panel.mesh != Pattern::Irregular {
-        return Err(Error::value(format!("{place}.mesh"), "only rectangles can have rows and columns; remove this"));
+        return Err(Error::value(
+            format!("{place}.mesh"),
+            "only rectangles can have rows and columns; remove this",
+        ));
     }
     match panel.place {
         Place::Flat { .. } => Ok(()),
-        Place::Rolled { .. } => {
-            Err(Error::value(format!("{place}.place"), "a closed surface cannot be rolled; place it flat, where its origin is its centre"))
-        }
+        Place::Rolled { .. } => Err(Error::value(
+            format!("{place}.place"),
+            "a closed surface cannot be rolled; place it flat, where its origin is its centre",
+        )),
     }
 }
 
@@ -37,14 +41,21 @@ pub(super) fn check(place: &str, panel: &PanelTable) -> Result<()> {
 pub(super) fn cut(place: &str, table: &PanelTable) -> Result<Closed> {
     let radius_m = table.radius_m.unwrap_or_default();
     match table.shape {
-        Shape::Torus => torus(place, radius_m, table.tube_radius_m.unwrap_or_default(), table.edge_length_m),
+        Shape::Torus => {
+            torus(place, radius_m, table.tube_radius_m.unwrap_or_default(), table.edge_length_m)
+        }
         _ => sphere(place, radius_m, table.edge_length_m),
     }
 }
 
-/// Puts the rest vertices (`[R]`, m) of closed panels where they lie; returns the panel coordinates (m) of all panels and those of the
-/// corners of each face, if there is a closed one.
-pub(super) fn shape(scene: &Scene, panels: &[BuiltPanel], rest_positions: &mut [Vec3], rest_faces: &[[usize; 3]]) -> Result<Option<Chart>> {
+/// Puts the rest vertices (`[R]`, m) of closed panels where they lie; returns the panel coordinates
+/// (m) of all panels and those of the corners of each face, if there is a closed one.
+pub(super) fn shape(
+    scene: &Scene,
+    panels: &[BuiltPanel],
+    rest_positions: &mut [Vec3],
+    rest_faces: &[[usize; 3]],
+) -> Result<Option<Chart>> {
     if !scene.panel.iter().any(|panel| panel.shape.closed()) {
         return Ok(None);
     }
@@ -58,7 +69,11 @@ pub(super) fn shape(scene: &Scene, panels: &[BuiltPanel], rest_positions: &mut [
             faces.extend(surface.chart_faces.iter().map(|face| face.map(|p| first + p)));
         } else {
             chart.extend(rest_positions[panel.rest_vertices.clone()].iter().map(|p| p.xy()));
-            faces.extend(rest_faces[panel.faces.clone()].iter().map(|face| face.map(|r| first + r - panel.rest_vertices.start)));
+            faces.extend(
+                rest_faces[panel.faces.clone()]
+                    .iter()
+                    .map(|face| face.map(|r| first + r - panel.rest_vertices.start)),
+            );
         }
     }
     Ok(Some((chart, faces)))
@@ -70,12 +85,14 @@ mod tests {
     use crate::scene::{Built, build, parse};
 
     fn built(panel: &str, more: &str) -> Result<Built> {
-        let head = "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
+        let head =
+            "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
         build(&parse("s.toml", &format!("{head}[[panel]]\nname = \"p\"\n{panel}\n{more}"))?)
     }
 
     const SPHERE: &str = "shape = \"sphere\"\nradius_m = 0.5\nedge_length_m = 0.1";
-    const TORUS: &str = "shape = \"torus\"\nradius_m = 1\ntube_radius_m = 0.25\nedge_length_m = 0.1\n\
+    const TORUS: &str = "shape = \"torus\"\nradius_m = 1\ntube_radius_m = 0.25\nedge_length_m = \
+        0.1\n\
         place = { kind = \"flat\", origin_m = [1, 2, 3], x_axis = [0, 1, 0], y_axis = [0, 0, 1] }";
     const HELD: &str = "[[clamp]]\nwithin_m = { low = [-9, -9, -9], high = [9, 9, 9] }";
 
@@ -85,17 +102,26 @@ mod tests {
         assert_eq!(ball.start, ball.rest_positions);
         assert!((ball.rest.area_m2() / (4.0 * std::f64::consts::PI * 0.25) - 1.0).abs() < 0.02);
         let ring = built(TORUS, HELD).unwrap();
-        assert_eq!(ring.topology.vertex_count + ring.topology.face_count(), ring.topology.edge_count());
+        assert_eq!(
+            ring.topology.vertex_count + ring.topology.face_count(),
+            ring.topology.edge_count()
+        );
         for (p, rest) in ring.start.iter().zip(&ring.rest_positions) {
             assert!((p - Vec3::new(1.0 + rest.z, 2.0 + rest.x, 3.0 + rest.y)).norm() < 1e-12);
         }
         let (texture, corners) = ring.texture.unwrap();
-        assert!(corners.len() == ring.topology.face_count() && texture.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0));
+        assert!(
+            corners.len() == ring.topology.face_count()
+                && texture.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0)
+        );
         // Beside a flat panel, each keeps its own; pressure is on the inside.
         let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1\nedge_length_m = 0.2";
         let both = built(SPHERE, &format!("{other}\n{HELD}")).unwrap();
         let disk = &both.panels[1];
-        assert!(both.start[ball.start.len()..].iter().all(|p| p.z == 0.0) && disk.rest_vertices.start == ball.start.len());
+        assert!(
+            both.start[ball.start.len()..].iter().all(|p| p.z == 0.0)
+                && disk.rest_vertices.start == ball.start.len()
+        );
         assert_eq!(both.texture.unwrap().1.len(), both.topology.face_count());
         assert!(built(SPHERE, "[load]\npressure_pa = 1").is_ok());
     }
@@ -103,16 +129,40 @@ mod tests {
     #[test]
     fn what_closed_panels_do_not_have_is_told() {
         for (panel, more, says) in [
-            (SPHERE.replace("radius_m = 0.5", ""), "", "panel[0].radius_m: a sphere needs this; give it (its sizes: radius_m)"),
+            (
+                SPHERE.replace("radius_m = 0.5", ""),
+                "",
+                "panel[0].radius_m: a sphere needs this; give it (its sizes: radius_m)",
+            ),
             (format!("{SPHERE}\nwidth_m = 1"), "", "panel[0].width_m: a sphere has no such field"),
             (SPHERE.replace("0.5", "-0.5"), "", "panel[0].radius_m: -0.5 is no usable length"),
-            (SPHERE.replace("0.1", "0.6"), "", "panel[0].edge_length_m: edges of 0.6 m cannot go around"),
-            (TORUS.replace("0.25", "1.25"), "", "panel[0].tube_radius_m: a tube of 1.25 m closes the hole"),
-            (TORUS.replace("tube_radius_m = 0.25", ""), "", "panel[0].tube_radius_m: a torus needs this"),
+            (
+                SPHERE.replace("0.1", "0.6"),
+                "",
+                "panel[0].edge_length_m: edges of 0.6 m cannot go around",
+            ),
+            (
+                TORUS.replace("0.25", "1.25"),
+                "",
+                "panel[0].tube_radius_m: a tube of 1.25 m closes the hole",
+            ),
+            (
+                TORUS.replace("tube_radius_m = 0.25", ""),
+                "",
+                "panel[0].tube_radius_m: a torus needs this",
+            ),
             (format!("{SPHERE}\nmesh = \"rising\""), "", "panel[0].mesh: only rectangles"),
             (format!("{SPHERE}\nsides = []"), "", "panel[0].sides: only a polygon's sides"),
-            (format!("{SPHERE}\nplace = {{ kind = \"rolled\", radius_m = 1 }}"), "", "panel[0].place: a closed surface cannot be rolled"),
-            (SPHERE.to_owned(), "[[clamp]]\nside = \"p.rim\"", "clamp[0].side: panel \"p\" is closed and has no sides; use near_m"),
+            (
+                format!("{SPHERE}\nplace = {{ kind = \"rolled\", radius_m = 1 }}"),
+                "",
+                "panel[0].place: a closed surface cannot be rolled",
+            ),
+            (
+                SPHERE.to_owned(),
+                "[[clamp]]\nside = \"p.rim\"",
+                "clamp[0].side: panel \"p\" is closed and has no sides; use near_m",
+            ),
             (SPHERE.to_owned(), "", "nothing holds the surface; add"),
         ] {
             let text = built(&panel, more).unwrap_err().to_string();

@@ -8,7 +8,8 @@ use crate::rest::RestMetric;
 use crate::shell::{Clamps, Loads};
 use crate::{Error, Result};
 
-/// Targets that differ by less than this, relative to the size of the start pose, do not contradict each other.
+/// Targets that differ by less than this, relative to the size of the start pose, do not contradict
+/// each other.
 const CLAMP_TOLERANCE: f64 = 1e-9;
 /// A vertex this far outside of a box, relative to the size of the start pose, is in it.
 const BOX_TOLERANCE: f64 = 1e-9;
@@ -26,12 +27,27 @@ pub(super) enum Grip<'a> {
 }
 
 impl<'a> Grip<'a> {
-    pub(super) fn new(place: &str, side: Option<&'a str>, near_m: Option<[f64; 3]>, within_m: Option<BoxTable>) -> Result<Self> {
-        let given: Vec<Self> = [side.map(Self::Side), near_m.map(Self::Near), within_m.map(Self::Within)].into_iter().flatten().collect();
+    pub(super) fn new(
+        place: &str,
+        side: Option<&'a str>,
+        near_m: Option<[f64; 3]>,
+        within_m: Option<BoxTable>,
+    ) -> Result<Self> {
+        let given: Vec<Self> =
+            [side.map(Self::Side), near_m.map(Self::Near), within_m.map(Self::Within)]
+                .into_iter()
+                .flatten()
+                .collect();
         match given[..] {
             [grip] => Ok(grip),
-            [] => Err(Error::value(place, "this does not say where; give one of side, near_m and within_m")),
-            _ => Err(Error::value(place, "this says where in several ways; keep one of side, near_m and within_m")),
+            [] => Err(Error::value(
+                place,
+                "this does not say where; give one of side, near_m and within_m",
+            )),
+            _ => Err(Error::value(
+                place,
+                "this says where in several ways; keep one of side, near_m and within_m",
+            )),
         }
     }
 
@@ -54,7 +70,10 @@ impl<'a> Grip<'a> {
                     None => Ok(()),
                     Some(axis) => {
                         let (letter, low, high) = (AXES[axis], low[axis], high[axis]);
-                        let message = format!("the box ends at {letter} = {high} before it begins at {low}; exchange the two");
+                        let message = format!(
+                            "the box ends at {letter} = {high} before it begins at {low}; exchange \
+                             the two"
+                        );
                         Err(Error::value(format!("{place}.within_m"), message))
                     }
                 }
@@ -71,8 +90,14 @@ impl<'a> Grip<'a> {
         }
     }
 
-    /// The vertices, each with its share of a force; the shares add up to 1. A vertex that a side passes twice is there twice.
-    pub(super) fn vertices(&self, scene: &Scene, laid: &Laid, place: &str) -> Result<Vec<(usize, f64)>> {
+    /// The vertices, each with its share of a force; the shares add up to 1. A vertex that a side
+    /// passes twice is there twice.
+    pub(super) fn vertices(
+        &self,
+        scene: &Scene,
+        laid: &Laid,
+        place: &str,
+    ) -> Result<Vec<(usize, f64)>> {
         match self {
             Self::Side(reference) => {
                 let side = laid.side(scene, &format!("{place}.side"), reference)?;
@@ -81,28 +106,38 @@ impl<'a> Grip<'a> {
                 let mut shares = vec![0.0; rest.len()];
                 for k in 0..edges {
                     let next = (k + 1) % rest.len();
-                    let half = 0.5 * (laid.rest_positions[rest[next]] - laid.rest_positions[rest[k]]).norm();
+                    let half = 0.5
+                        * (laid.rest_positions[rest[next]] - laid.rest_positions[rest[k]]).norm();
                     shares[k] += half;
                     shares[next] += half;
                 }
                 let length: f64 = shares.iter().sum();
-                Ok(rest.iter().zip(shares).map(|(&r, share)| (laid.vertex_of_rest[r], share / length)).collect())
+                Ok(rest
+                    .iter()
+                    .zip(shares)
+                    .map(|(&r, share)| (laid.vertex_of_rest[r], share / length))
+                    .collect())
             }
             Self::Near(point) => {
                 let point = Vec3::from(*point);
                 let distance = |v: &usize| (laid.start[*v] - point).norm_squared();
-                let nearest = (0..laid.start.len()).min_by(|u, v| distance(u).total_cmp(&distance(v)));
+                let nearest =
+                    (0..laid.start.len()).min_by(|u, v| distance(u).total_cmp(&distance(v)));
                 Ok(nearest.into_iter().map(|v| (v, 1.0)).collect())
             }
             Self::Within(BoxTable { low, high }) => {
                 let tolerance = Vec3::repeat(BOX_TOLERANCE * laid.size());
                 let (low, high) = (Vec3::from(*low) - tolerance, Vec3::from(*high) + tolerance);
-                let inside = |v: &usize| (0..3).all(|axis| (low[axis]..=high[axis]).contains(&laid.start[*v][axis]));
+                let inside = |v: &usize| {
+                    (0..3).all(|axis| (low[axis]..=high[axis]).contains(&laid.start[*v][axis]))
+                };
                 let vertices: Vec<usize> = (0..laid.start.len()).filter(inside).collect();
                 if vertices.is_empty() {
                     let [from, to] = laid.extent().map(shown);
-                    let message =
-                        format!("no vertex starts in this box; the start pose extends from {from} to {to} m, so choose a box there");
+                    let message = format!(
+                        "no vertex starts in this box; the start pose extends from {from} to {to} \
+                         m, so choose a box there"
+                    );
                     return Err(Error::value(format!("{place}.within_m"), message));
                 }
                 let share = 1.0 / vertices.len() as f64;
@@ -138,7 +173,8 @@ pub(super) fn check_axes(place: &str, axes: &str) -> Result<()> {
     let letters: Vec<char> = axes.chars().collect();
     let twice = letters.iter().enumerate().any(|(k, c)| letters[..k].contains(c));
     if letters.is_empty() || twice || letters.iter().any(|c| !"xyz".contains(*c)) {
-        let message = format!("\"{axes}\" names no axes; give some of the letters x, y and z, each once");
+        let message =
+            format!("\"{axes}\" names no axes; give some of the letters x, y and z, each once");
         return Err(Error::value(format!("{place}.axes"), message));
     }
     Ok(())
@@ -155,7 +191,9 @@ pub(super) fn clamps(scene: &Scene, laid: &Laid) -> Result<Clamps> {
         let grip = Grip::of_clamp(i, clamp)?;
         for (v, _) in grip.vertices(scene, laid, &format!("clamp[{i}]"))? {
             let target = target(clamp, laid.start[v]);
-            for (axis, letter) in AXES.into_iter().enumerate().filter(|(_, letter)| clamp.axes.contains(letter)) {
+            for (axis, letter) in
+                AXES.into_iter().enumerate().filter(|(_, letter)| clamp.axes.contains(letter))
+            {
                 match clamps.targets[v][axis] {
                     None => {
                         clamps.targets[v][axis] = Some(target[axis]);
@@ -164,7 +202,8 @@ pub(super) fn clamps(scene: &Scene, laid: &Laid) -> Result<Clamps> {
                     Some(held) if (held - target[axis]).abs() > tolerance_m => {
                         let j = by[v][axis];
                         let message = format!(
-                            "{} takes a vertex to {letter} = {} m, but clamp[{j}] {} takes the same one to {held} m; \
+                            "{} takes a vertex to {letter} = {} m, but clamp[{j}] {} takes the \
+                             same one to {held} m; \
                              let only one of them hold {letter}, or move both alike",
                             grip.words(),
                             target[axis],
@@ -185,7 +224,9 @@ fn target(clamp: &ClampTable, start: Vec3) -> Vec3 {
     let turned = clamp.turn.map_or(start, |turn| {
         let axis = nalgebra::Unit::new_normalize(Vec3::from(turn.axis));
         let centre = Vec3::from(turn.centre_m);
-        centre + nalgebra::Rotation3::from_axis_angle(&axis, turn.angle_deg.to_radians()) * (start - centre)
+        centre
+            + nalgebra::Rotation3::from_axis_angle(&axis, turn.angle_deg.to_radians())
+                * (start - centre)
     });
     turned + Vec3::from(clamp.move_m)
 }
@@ -195,7 +236,8 @@ pub(super) fn loads(scene: &Scene, laid: &Laid) -> Result<Loads> {
     let mut forces_newton = Vec::new();
     for (i, force) in scene.force.iter().enumerate() {
         let vertices = Grip::of_force(i, force)?.vertices(scene, laid, &format!("force[{i}]"))?;
-        forces_newton.extend(vertices.into_iter().map(|(v, share)| (v, Vec3::from(force.newton) * share)));
+        forces_newton
+            .extend(vertices.into_iter().map(|(v, share)| (v, Vec3::from(force.newton) * share)));
     }
     Ok(Loads {
         density_kg_m3: scene.material.density_kg_m3.unwrap_or(0.0),
@@ -205,13 +247,24 @@ pub(super) fn loads(scene: &Scene, laid: &Laid) -> Result<Loads> {
     })
 }
 
-/// Every part of the surface must be held along every axis along which it could drift away: everywhere if nothing pushes at all,
-/// else where its weight and the forces on it do not balance and no obstacle could stop it.
-pub(super) fn check_held(scene: &Scene, laid: &Laid, rest: &RestMetric, clamps: &Clamps, loads: &Loads) -> Result<()> {
-    let idle =
-        loads.gravity_m_s2 == Vec3::zeros() && loads.pressure_pa == 0.0 && loads.forces_newton.iter().all(|(_, f)| *f == Vec3::zeros());
+/// Every part of the surface must be held along every axis along which it could drift away:
+/// everywhere if nothing pushes at all, else where its weight and the forces on it do not balance
+/// and no obstacle could stop it.
+pub(super) fn check_held(
+    scene: &Scene,
+    laid: &Laid,
+    rest: &RestMetric,
+    clamps: &Clamps,
+    loads: &Loads,
+) -> Result<()> {
+    let idle = loads.gravity_m_s2 == Vec3::zeros()
+        && loads.pressure_pa == 0.0
+        && loads.forces_newton.iter().all(|(_, f)| *f == Vec3::zeros());
     if idle && scene.clamp.is_empty() {
-        return Err(Error::value("clamp", "nothing holds the surface; add at least one [[clamp]] with a side"));
+        return Err(Error::value(
+            "clamp",
+            "nothing holds the surface; add at least one [[clamp]] with a side",
+        ));
     }
     let part = laid.parts();
     let count = part.len();
@@ -231,10 +284,13 @@ pub(super) fn check_held(scene: &Scene, laid: &Laid, rest: &RestMetric, clamps: 
         sizes[part[v]] += force.abs();
     }
     for lowest in (0..count).filter(|&v| part[v] == v) {
-        let weight = loads.gravity_m_s2 * (loads.density_kg_m3 * scene.material.thickness_m * area_m2[lowest]);
-        for (axis, letter) in AXES.into_iter().enumerate().filter(|(axis, _)| !held[lowest][*axis]) {
+        let weight = loads.gravity_m_s2
+            * (loads.density_kg_m3 * scene.material.thickness_m * area_m2[lowest]);
+        for (axis, letter) in AXES.into_iter().enumerate().filter(|(axis, _)| !held[lowest][*axis])
+        {
             let net = (weight[axis] + push[lowest][axis]).abs();
-            let drifts = net > BALANCE * (weight[axis].abs() + sizes[lowest][axis]) && scene.obstacle.is_empty();
+            let drifts = net > BALANCE * (weight[axis].abs() + sizes[lowest][axis])
+                && scene.obstacle.is_empty();
             if !idle && !drifts {
                 continue;
             }
@@ -248,7 +304,8 @@ pub(super) fn check_held(scene: &Scene, laid: &Laid, rest: &RestMetric, clamps: 
                     _ => "the forces on it",
                 };
                 format!(
-                    "nothing holds {name} along {letter} against {against}; clamp {what} with {letter} in axes, or put an obstacle under it"
+                    "nothing holds {name} along {letter} against {against}; clamp {what} with \
+                     {letter} in axes, or put an obstacle under it"
                 )
             };
             return Err(Error::value("clamp", message));
@@ -314,7 +371,9 @@ mod tests {
     #[test]
     fn forces_are_spread_and_keep_their_sum() {
         let newton = Vec3::new(1.0, -2.0, 30.0);
-        let force = |place: &str| built(&format!("{LEFT}[[force]]\n{place}\nnewton = [1.0, -2.0, 30.0]")).unwrap();
+        let force = |place: &str| {
+            built(&format!("{LEFT}[[force]]\n{place}\nnewton = [1.0, -2.0, 30.0]")).unwrap()
+        };
         for (place, count) in [
             ("side = \"p.right\"", 6),
             ("near_m = [0.52, 0.0, 0.3]", 1),
@@ -332,12 +391,14 @@ mod tests {
             assert!((share - expected).norm() < 1e-13 * newton.norm(), "{k}");
         }
         // Its moment about the origin is that of the same force at the middle of the side.
-        let moment: Vec3 = right.loads.forces_newton.iter().map(|(v, f)| right.start[*v].cross(f)).sum();
+        let moment: Vec3 =
+            right.loads.forces_newton.iter().map(|(v, f)| right.start[*v].cross(f)).sum();
         assert!((moment - Vec3::new(1.0, 0.25, 0.0).cross(&newton)).norm() < 1e-12);
         let near = force("near_m = [0.52, 0.0, 0.3]").loads.forces_newton[0].0;
         assert_eq!(right.start[near], Vec3::new(0.5, 0.0, 0.0));
         // Every vertex of a closed side gets the same.
-        let rim = "[[clamp]]\nside = \"front.rim\"\n[[force]]\nside = \"front.rim\"\nnewton = [0, 0, 21]";
+        let rim =
+            "[[clamp]]\nside = \"front.rim\"\n[[force]]\nside = \"front.rim\"\nnewton = [0, 0, 21]";
         let rim = build(&parse("s.toml", &format!("{BALLOON}{rim}")).unwrap()).unwrap();
         assert_eq!(rim.loads.forces_newton.len(), 21);
         assert!(rim.loads.forces_newton.iter().all(|(_, f)| (f.z - 1.0).abs() < 1e-12));
@@ -347,7 +408,10 @@ mod tests {
     fn clamps_hold_a_vertex_or_a_box() {
         let b = built("[[clamp]]\nnear_m = [0.0, 0.0, 9.0]\nmove_m = [0, 0, 1]").unwrap();
         let held: Vec<usize> = (0..b.start.len()).filter(|&v| b.clamps.held()[v]).collect();
-        assert_eq!((held.len(), b.start[held[0]], b.clamps.targets[held[0]]), (1, Vec3::zeros(), [Some(0.0), Some(0.0), Some(1.0)]));
+        assert_eq!(
+            (held.len(), b.start[held[0]], b.clamps.targets[held[0]]),
+            (1, Vec3::zeros(), [Some(0.0), Some(0.0), Some(1.0)])
+        );
         let b = built("[[clamp]]\nwithin_m = { low = [-1, -1, -1], high = [0.25, 1, 1] }").unwrap();
         for (held, start) in b.clamps.held().iter().zip(&b.start) {
             assert_eq!(*held, start.x <= 0.25);
@@ -357,33 +421,71 @@ mod tests {
     #[test]
     fn where_is_said_once_and_meets_vertices() {
         let text = message("[[clamp]]\naxes = \"x\"");
-        assert!(text.starts_with("s.toml, clamp[0]: this does not say where; give one of side, near_m and within_m"), "{text}");
+        assert!(
+            text.starts_with(
+                "s.toml, clamp[0]: this does not say where; give one of side, near_m and within_m"
+            ),
+            "{text}"
+        );
         let text = message("[[force]]\nside = \"p.left\"\nnear_m = [0, 0, 0]\nnewton = [0, 0, 0]");
         assert!(text.starts_with("s.toml, force[0]: this says where in several ways"), "{text}");
         let text = message("[[clamp]]\nwithin_m = { low = [0, 0, 1], high = [1, 1, 2] }");
-        assert!(text.starts_with("s.toml, clamp[0].within_m: no vertex starts in this box; the start pose extends from [0.0"), "{text}");
+        assert!(
+            text.starts_with(
+                "s.toml, clamp[0].within_m: no vertex starts in this box; the \
+            start pose extends from [0.0"
+            ),
+            "{text}"
+        );
         assert!(text.contains("to [1.000000, 0.500000, 0.000000] m"), "{text}");
-        let text = message("[[force]]\nnewton = [0, 0, 1]\nwithin_m = { low = [0, 2, 0], high = [1, 1, 2] }");
-        assert!(text.contains("force[0].within_m: the box ends at y = 1 before it begins at 2"), "{text}");
+        let text = message(
+            "[[force]]\nnewton = [0, 0, 1]\nwithin_m = { low = [0, 2, 0], high = [1, 1, 2] }",
+        );
+        assert!(
+            text.contains("force[0].within_m: the box ends at y = 1 before it begins at 2"),
+            "{text}"
+        );
         assert!(message("[[clamp]]\nnear_m = [0, inf, 0]").contains("clamp[0].near_m: inf"));
-        assert!(message("[[force]]\nside = \"p.up\"\nnewton = [0, 0, 1]").contains("force[0].side: panel \"p\" has no side"));
-        assert!(message("[[force]]\nside = \"p.left\"\nnewton = [0, nan, 1]").contains("force[0].newton: NaN"));
+        assert!(
+            message("[[force]]\nside = \"p.up\"\nnewton = [0, 0, 1]")
+                .contains("force[0].side: panel \"p\" has no side")
+        );
+        assert!(
+            message("[[force]]\nside = \"p.left\"\nnewton = [0, nan, 1]")
+                .contains("force[0].newton: NaN")
+        );
         let text = message(&format!("{LEFT}[[clamp]]\nnear_m = [0, 0, 0]\nmove_m = [0, 1, 0]"));
-        assert!(text.contains("clamp[1]: near_m = [0.0, 0.0, 0.0] takes a vertex to y = 1 m, but clamp[0] \"p.left\""), "{text}");
+        assert!(
+            text.contains(
+                "clamp[1]: near_m = [0.0, 0.0, 0.0] takes a vertex to y = 1 m, but \
+            clamp[0] \"p.left\""
+            ),
+            "{text}"
+        );
     }
 
     #[test]
     fn loads_arrive_and_weight_needs_a_density() {
         let b = built(&format!("{LEFT}{GRAVITY}")).unwrap();
-        assert_eq!((b.loads.density_kg_m3, b.loads.gravity_m_s2, b.loads.pressure_pa), (400.0, Vec3::new(0.0, 0.0, -9.81), 0.0));
+        assert_eq!(
+            (b.loads.density_kg_m3, b.loads.gravity_m_s2, b.loads.pressure_pa),
+            (400.0, Vec3::new(0.0, 0.0, -9.81), 0.0)
+        );
         let text = |density: &str| {
             let scene = SHEET.replace("density_kg_m3 = 400", density) + LEFT + GRAVITY;
             parse("s.toml", &scene).unwrap_err().to_string()
         };
         for density in ["", "density_kg_m3 = 0"] {
-            assert!(text(density).contains("s.toml, material.density_kg_m3: gravity needs a density above 0"), "{}", text(density));
+            assert!(
+                text(density)
+                    .contains("s.toml, material.density_kg_m3: gravity needs a density above 0"),
+                "{}",
+                text(density)
+            );
         }
-        assert!(text("density_kg_m3 = -1").contains("-1 is no density; give a number from 0 to 1e6"));
+        assert!(
+            text("density_kg_m3 = -1").contains("-1 is no density; give a number from 0 to 1e6")
+        );
         assert!(text("density_kg_m3 = nan").contains("NaN is no density"));
         assert!(message("[load]\ngravity_m_s2 = [0, 0, inf]").contains("load.gravity_m_s2: inf"));
         assert!(message("[load]\npressure_pa = nan").contains("load.pressure_pa: NaN"));
@@ -392,12 +494,21 @@ mod tests {
     #[test]
     fn pressure_needs_a_closed_surface_and_no_clamp() {
         let text = message(&format!("{LEFT}[load]\npressure_pa = 600.0"));
-        assert!(text.starts_with("s.toml, load.pressure_pa: the surface is open at side \"p.bottom\"; sew every side or remove"), "{text}");
-        let b = build(&parse("s.toml", &format!("{BALLOON}[load]\npressure_pa = 600.0")).unwrap()).unwrap();
+        assert!(
+            text.starts_with(
+                "s.toml, load.pressure_pa: the surface is open at side \
+            \"p.bottom\"; sew every side or remove"
+            ),
+            "{text}"
+        );
+        let b = build(&parse("s.toml", &format!("{BALLOON}[load]\npressure_pa = 600.0")).unwrap())
+            .unwrap();
         assert_eq!(b.loads.pressure_pa, 600.0);
         assert!(b.clamps.held().iter().all(|held| !held));
         let open = BALLOON.split("[[seam]]").next().unwrap();
-        let text = build(&parse("s.toml", &format!("{open}[load]\npressure_pa = 600.0")).unwrap()).unwrap_err().to_string();
+        let text = build(&parse("s.toml", &format!("{open}[load]\npressure_pa = 600.0")).unwrap())
+            .unwrap_err()
+            .to_string();
         assert!(text.contains("open at side \"front.rim\""), "{text}");
     }
 
@@ -405,30 +516,47 @@ mod tests {
     fn what_weight_or_forces_would_carry_away_is_told() {
         let text = message(GRAVITY);
         assert!(
-            text.starts_with("s.toml, clamp: nothing holds panel \"p\" (or what it is sewn to) along z against its weight; clamp"),
+            text.starts_with(
+                "s.toml, clamp: nothing holds panel \"p\" (or what it is sewn to) \
+                along z against its weight; clamp"
+            ),
             "{text}"
         );
         assert!(text.contains("with z in axes, or put an obstacle under it"), "{text}");
         // Held where the weight pulls, it needs nothing else.
         assert!(built(&format!("{GRAVITY}{LEFT}axes = \"z\"")).is_ok());
-        let pull = |side: &str, x: f64| format!("[[force]]\nside = \"p.{side}\"\nnewton = [{x}, 0, 0]\n");
+        let pull =
+            |side: &str, x: f64| format!("[[force]]\nside = \"p.{side}\"\nnewton = [{x}, 0, 0]\n");
         assert!(message(&pull("left", -1.0)).contains("along x against the forces on it"));
         assert!(built(&format!("{}{}", pull("left", -0.3), pull("right", 0.3))).is_ok());
         let both = message(&format!("{GRAVITY}[[force]]\nside = \"p.left\"\nnewton = [0, 0, 1e3]"));
         assert!(both.contains("against its weight and the forces on it"), "{both}");
-        let floor = "[[obstacle]]\nname = \"floor\"\nkind = \"plane\"\npoint_m = [0, 0, -1]\nnormal = [0, 0, 1]\n";
+        let floor = "[[obstacle]]\nname = \"floor\"\nkind = \"plane\"\npoint_m = [0, 0, \
+            -1]\nnormal = [0, 0, 1]\n";
         assert!(built(&format!("{GRAVITY}{floor}")).is_ok());
         // An obstacle is no reason to solve what nothing pushes.
-        assert!(message(floor).contains("clamp: nothing holds the surface; add at least one [[clamp]]"));
+        assert!(
+            message(floor).contains("clamp: nothing holds the surface; add at least one [[clamp]]")
+        );
     }
 
     #[test]
     fn every_part_is_judged_by_its_own_loads() {
-        let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3\n";
+        let other =
+            "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3\n";
         // The force acts on p, which is held; nothing moves q.
-        assert!(built(&format!("{other}{LEFT}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]")).is_ok());
-        assert!(message(&format!("{other}{LEFT}{GRAVITY}")).contains("nothing holds panel \"q\" (or what it is sewn to) along z"));
-        let apart = format!("{other}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]\n[[force]]\nside = \"q.rim\"\nnewton = [-1, 0, 0]");
+        assert!(
+            built(&format!("{other}{LEFT}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]"))
+                .is_ok()
+        );
+        assert!(
+            message(&format!("{other}{LEFT}{GRAVITY}"))
+                .contains("nothing holds panel \"q\" (or what it is sewn to) along z")
+        );
+        let apart = format!(
+            "{other}[[force]]\nside = \"p.right\"\nnewton = [1, 0, 0]\n[[force]]\nside = \
+             \"q.rim\"\nnewton = [-1, 0, 0]"
+        );
         assert!(message(&apart).contains("nothing holds panel \"p\""));
     }
 }

@@ -1,4 +1,5 @@
-//! The surface as a scene describes it, laid into space, before anything holds it: from panels or from a mesh.
+//! The surface as a scene describes it, laid into space, before anything holds it: from panels or
+//! from a mesh.
 
 use super::build::BuiltPanel;
 use super::schema::Scene;
@@ -27,9 +28,11 @@ pub(super) struct Laid {
     pub(super) panels: Vec<BuiltPanel>,
     /// `[panels]` the sides of each.
     pub(super) sides: Vec<Vec<Side>>,
-    /// Panel coordinates (m) and those of each face's corners, where they are not those of the rest vertices: if some panel is closed.
+    /// Panel coordinates (m) and those of each face's corners, where they are not those of the rest
+    /// vertices: if some panel is closed.
     pub(super) chart: Option<Chart>,
-    /// Texture coordinates and those of each face's corners, if a file gave them or some panel is closed.
+    /// Texture coordinates and those of each face's corners, if a file gave them or some panel is
+    /// closed.
     pub(super) texture: Option<Chart>,
     /// Names and values (`[V]`) of what a file says about each vertex.
     pub(super) attributes: Vec<(String, Vec<f64>)>,
@@ -58,7 +61,9 @@ impl Laid {
     pub(super) fn side(&self, scene: &Scene, field: &str, reference: &str) -> Result<&Side> {
         let (p, name) = scene.side(field, reference)?;
         let found = self.sides.get(p).and_then(|sides| sides.iter().find(|side| side.name == name));
-        found.ok_or_else(|| Error::value(field, format!("panel {p} has no side \"{name}\"; name another one")))
+        found.ok_or_else(|| {
+            Error::value(field, format!("panel {p} has no side \"{name}\"; name another one"))
+        })
     }
 
     /// Lowest and highest coordinates of the start pose (m).
@@ -97,20 +102,37 @@ impl Laid {
     /// What to call the part whose lowest vertex is `lowest`, and how to clamp it.
     pub(super) fn name_of_part(&self, lowest: usize) -> (String, &'static str) {
         let rest = self.vertex_of_rest.iter().position(|&v| v == lowest);
-        let panel = rest.and_then(|r| self.panels.iter().find(|panel| panel.rest_vertices.contains(&r)));
+        let panel =
+            rest.and_then(|r| self.panels.iter().find(|panel| panel.rest_vertices.contains(&r)));
         match panel {
-            Some(panel) if self.panels.iter().zip(&self.sides).any(|(p, sides)| p.name == panel.name && sides.is_empty()) => {
+            Some(panel)
+                if self
+                    .panels
+                    .iter()
+                    .zip(&self.sides)
+                    .any(|(p, sides)| p.name == panel.name && sides.is_empty()) =>
+            {
                 (format!("panel \"{}\"", panel.name), "some of its vertices")
             }
-            Some(panel) => (format!("panel \"{}\" (or what it is sewn to)", panel.name), "one of its sides"),
-            None if lowest == 0 => ("the mesh (or its first part)".to_owned(), "some of its vertices"),
-            None => (format!("the part of the mesh around {}", shown(self.start[lowest])), "some of its vertices"),
+            Some(panel) => {
+                (format!("panel \"{}\" (or what it is sewn to)", panel.name), "one of its sides")
+            }
+            None if lowest == 0 => {
+                ("the mesh (or its first part)".to_owned(), "some of its vertices")
+            }
+            None => (
+                format!("the part of the mesh around {}", shown(self.start[lowest])),
+                "some of its vertices",
+            ),
         }
     }
 
     /// Refuses a surface with a border, which holds no pressure.
     pub(super) fn check_closed(&self) -> Result<()> {
-        let Some(e) = (0..self.topology.edge_count()).find(|&e| self.topology.is_boundary_edge(e)) else { return Ok(()) };
+        let Some(e) = (0..self.topology.edge_count()).find(|&e| self.topology.is_boundary_edge(e))
+        else {
+            return Ok(());
+        };
         let f = self.topology.edge_faces[e][0];
         let k = (0..3).find(|&k| self.topology.face_edges[f][k] == e).unwrap_or(0);
         let ends = [self.rest_faces[f][k], self.rest_faces[f][(k + 1) % 3]];
@@ -120,18 +142,26 @@ impl Laid {
         };
         for (panel, sides) in self.panels.iter().zip(&self.sides) {
             if let Some(side) = sides.iter().find(|side| runs_there(side)) {
-                let message =
-                    format!("the surface is open at side \"{}.{}\"; sew every side or remove the pressure", panel.name, side.name);
+                let message = format!(
+                    "the surface is open at side \"{}.{}\"; sew every side or remove the pressure",
+                    panel.name, side.name
+                );
                 return Err(Error::value("load.pressure_pa", message));
             }
         }
         let [i, j] = self.topology.edges[e];
         let middle = 0.5 * (self.start[i] + self.start[j]);
-        Err(Error::value("load.pressure_pa", format!("the surface is open near {}; close the mesh or remove the pressure", shown(middle))))
+        Err(Error::value(
+            "load.pressure_pa",
+            format!(
+                "the surface is open near {}; close the mesh or remove the pressure",
+                shown(middle)
+            ),
+        ))
     }
 
-    /// Turns the faces of every closed part that would be inside out, so that pressure is on its inside. A part that starts flat,
-    /// such as a pillow before it is inflated, stays as it is.
+    /// Turns the faces of every closed part that would be inside out, so that pressure is on its
+    /// inside. A part that starts flat, such as a pillow before it is inflated, stays as it is.
     pub(super) fn turn_outside_out(&mut self, place: &str) -> Result<()> {
         let part = self.parts();
         let mut volume_m3 = vec![0.0; self.topology.vertex_count];
@@ -141,7 +171,9 @@ impl Laid {
             volume_m3[lowest] += a.dot(&b.cross(&c)) / 6.0;
         }
         let least = -LEAST_VOLUME * self.size().powi(3);
-        let turned: Vec<usize> = (0..self.topology.face_count()).filter(|&f| volume_m3[part[self.topology.faces[f][0]]] < least).collect();
+        let turned: Vec<usize> = (0..self.topology.face_count())
+            .filter(|&f| volume_m3[part[self.topology.faces[f][0]]] < least)
+            .collect();
         if turned.is_empty() {
             return Ok(());
         }

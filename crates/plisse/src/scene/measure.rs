@@ -1,8 +1,8 @@
 //! Numbers taken from a solved field, to be held against published ones.
 //!
-//! Waves along a line are counted from the frequency, not the rounded phase: they are real numbers. Only faces with a visible
-//! amplitude count, because where there is none the energy does not depend on the frequency and leaves it arbitrary. What
-//! lies outside the panel counts nothing.
+//! Waves along a line are counted from the frequency, not the rounded phase: they are real numbers.
+//! Only faces with a visible amplitude count, because where there is none the energy does not
+//! depend on the frequency and leaves it arbitrary. What lies outside the panel counts nothing.
 
 use super::build::Built;
 use crate::field::{FieldReport, WrinkleField};
@@ -11,7 +11,8 @@ use crate::mesh::Vec2;
 /// Distance (relative to the panel's size) within which a line that touches a face counts as in it.
 const TOUCH: f64 = 1e-10;
 
-/// A face counts as wrinkled if its largest amplitude is above this part both of the field's peak and of the thickness.
+/// A face counts as wrinkled if its largest amplitude is above this part both of the field's peak
+/// and of the thickness.
 const VISIBLE: f64 = 0.01;
 
 /// A number that a scene asks for, ready to be taken from a field.
@@ -34,12 +35,13 @@ pub enum Quantity {
     LargestPeriod,
     /// Largest amplitude (m).
     PeakAmplitude,
-    /// Waves that a line crosses, on faces that are not wrinkle-free and whose amplitude is above 1 % of the
-    /// peak and of the thickness.
+    /// Waves that a line crosses, on faces that are not wrinkle-free and whose amplitude is above 1
+    /// % of the peak and of the thickness.
     WavesAlong {
         /// Pieces of the line, in order.
         pieces: Vec<Piece>,
-        /// Where the line crosses from face to face, in order; between them everything linear in faces is linear.
+        /// Where the line crosses from face to face, in order; between them everything linear in
+        /// faces is linear.
         crossings: Vec<Crossing>,
     },
     /// Turns of the phase along a chain of edges; where a face at an edge is wrinkled.
@@ -49,8 +51,8 @@ pub enum Quantity {
     },
 }
 
-/// A piece of a line: the faces it runs in (two along an edge that they share, else one), each with the piece as a vector (m)
-/// in the face's orthonormal rest frame.
+/// A piece of a line: the faces it runs in (two along an edge that they share, else one), each with
+/// the piece as a vector (m) in the face's orthonormal rest frame.
 pub type Piece = Vec<(usize, Vec2)>;
 
 /// A point of a line: a face and the point's barycentric coordinates in it (no unit).
@@ -71,23 +73,35 @@ pub struct Measured {
     pub source: Option<String>,
 }
 
-/// What the scene asks to measure on `field`, in the scene's order. `field` and `report` must come from `built`.
+/// What the scene asks to measure on `field`, in the scene's order. `field` and `report` must come
+/// from `built`.
 pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec<Measured> {
     let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
-            Quantity::LargestPeriod => (report.periods.iter().map(|p| p.turns).max().unwrap_or(0) as f64, "waves"),
+            Quantity::LargestPeriod => {
+                (report.periods.iter().map(|p| p.turns).max().unwrap_or(0) as f64, "waves")
+            }
             Quantity::PeakAmplitude => (field.amplitude_m.iter().copied().fold(0.0, f64::max), "m"),
             Quantity::WavesAlong { pieces, .. } => (waves_along(built, field, pieces), "waves"),
             Quantity::WavesAround { chain } => (waves_around(built, field, chain), "waves"),
         };
-        Measured { name: probe.name.clone(), value, unit, published: probe.published, source: probe.source.clone() }
+        Measured {
+            name: probe.name.clone(),
+            value,
+            unit,
+            published: probe.published,
+            source: probe.source.clone(),
+        }
     };
     built.probes.iter().map(take).collect()
 }
 
 fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
-    let amplitude_of = |f: usize| built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).fold(0.0, f64::max);
-    let least = VISIBLE * field.amplitude_m.iter().copied().fold(built.material.thickness_m, f64::max);
+    let amplitude_of = |f: usize| {
+        built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).fold(0.0, f64::max)
+    };
+    let least =
+        VISIBLE * field.amplitude_m.iter().copied().fold(built.material.thickness_m, f64::max);
     let turns = |piece: &Piece| {
         // Along a common edge both faces say the same, if both are wrinkled.
         let wrinkled: Vec<f64> = piece
@@ -109,8 +123,8 @@ fn waves_around(built: &Built, field: &WrinkleField, chain: &[usize]) -> f64 {
     (chain.windows(2).map(turn).sum::<f64>() / std::f64::consts::TAU).abs()
 }
 
-/// The line from `from` to `to` (m, panel coordinates) cut at the borders of those of `faces` that it runs in, and the points where
-/// it crosses them. `corners` gives a face's rest corners (m).
+/// The line from `from` to `to` (m, panel coordinates) cut at the borders of those of `faces` that
+/// it runs in, and the points where it crosses them. `corners` gives a face's rest corners (m).
 pub(super) fn cut(
     from: Vec2,
     to: Vec2,
@@ -174,8 +188,8 @@ fn clip(from: Vec2, along: Vec2, corners: [Vec2; 3], touch: f64) -> Option<[f64;
     (enter < leave).then_some([enter, leave])
 }
 
-/// A vector of the panel's plane in the orthonormal rest frame of the face with these corners: its first axis runs from corner
-/// 0 to 1, corner 2 is on the positive side of it.
+/// A vector of the panel's plane in the orthonormal rest frame of the face with these corners: its
+/// first axis runs from corner 0 to 1, corner 2 is on the positive side of it.
 fn in_face(vector: Vec2, corners: [Vec2; 3]) -> Vec2 {
     let [a, b, c] = corners;
     let first = (b - a).normalize();
@@ -231,7 +245,10 @@ mod tests {
             energy_terms: EnergyTerms::default(),
             wrinkle_free_energy_joule: 0.0,
             projected_gradient: 0.0,
-            periods: turns.iter().map(|&turns| Period { turns, before_rounding: 0.0, loop_edges: 3 }).collect(),
+            periods: turns
+                .iter()
+                .map(|&turns| Period { turns, before_rounding: 0.0, loop_edges: 3 })
+                .collect(),
             rounding_exact: true,
             field_seconds: 0.0,
             phase_seconds: 0.0,
@@ -250,9 +267,13 @@ mod tests {
                 let (s, c) = (0.6 * f64::from(n)).sin_cos();
                 let (from, to) = ([0.9 * c, 0.9 * s], [-0.7 * s, 0.3 - 0.5 * c]);
                 let built = balloon(panel, from, to);
-                let expected = k.dot(&(Vec2::from(to) - Vec2::from(from))).abs() / std::f64::consts::TAU;
+                let expected =
+                    k.dot(&(Vec2::from(to) - Vec2::from(from))).abs() / std::f64::consts::TAU;
                 let found = waves(&built, &plane_wave(&built, k));
-                assert!((found - expected).abs() < 1e-7 * (1.0 + expected), "{panel} {n}: {found} for {expected}");
+                assert!(
+                    (found - expected).abs() < 1e-7 * (1.0 + expected),
+                    "{panel} {n}: {found} for {expected}"
+                );
             }
         }
     }
@@ -262,13 +283,24 @@ mod tests {
         let k = Vec2::new(5.0, 40.0);
         let any = balloon("front", [0.0, 0.0], [0.1, 0.0]);
         let mut tried = 0;
-        for (e, &[i, j]) in any.topology.edges.iter().enumerate().filter(|(e, _)| any.topology.edge_faces[*e][1] < any.panels[0].faces.end)
+        for (e, &[i, j]) in any
+            .topology
+            .edges
+            .iter()
+            .enumerate()
+            .filter(|(e, _)| any.topology.edge_faces[*e][1] < any.panels[0].faces.end)
         {
             // Vertices of the first panel are their own rest vertices.
             let (from, to) = (any.rest_positions[i].xy(), any.rest_positions[j].xy());
             let built = balloon("front", from.into(), to.into());
-            let Quantity::WavesAlong { pieces, .. } = &built.probes[0].quantity else { panic!("not a line") };
-            assert_eq!(pieces.iter().map(Vec::len).max(), Some(2), "edge {e} is shared by two faces");
+            let Quantity::WavesAlong { pieces, .. } = &built.probes[0].quantity else {
+                panic!("not a line")
+            };
+            assert_eq!(
+                pieces.iter().map(Vec::len).max(),
+                Some(2),
+                "edge {e} is shared by two faces"
+            );
             let expected = k.dot(&(to - from)).abs() / std::f64::consts::TAU;
             let found = waves(&built, &plane_wave(&built, k));
             assert!((found - expected).abs() < 1e-7, "edge {e}: {found} for {expected}");
@@ -278,7 +310,8 @@ mod tests {
         // From far outside through the whole panel: a diameter's worth.
         let built = balloon("front", [-5.0, 0.0], [5.0, 0.0]);
         let found = waves(&built, &plane_wave(&built, k));
-        let expected = 5.0 * (any.rest_positions[0].x - any.rest_positions[14].x).abs() / std::f64::consts::TAU;
+        let expected = 5.0 * (any.rest_positions[0].x - any.rest_positions[14].x).abs()
+            / std::f64::consts::TAU;
         assert!((found - expected).abs() < 0.02 * expected, "{found} for {expected}");
     }
 
@@ -306,7 +339,8 @@ mod tests {
     #[test]
     fn turns_around_a_side_are_counted_whichever_way_edges_run() {
         let mut built = balloon("front", [-0.5, 0.0], [0.5, 0.0]);
-        let mut chain: Vec<usize> = (0..built.start.len()).filter(|&v| built.start[v].norm() > 0.999).collect();
+        let mut chain: Vec<usize> =
+            (0..built.start.len()).filter(|&v| built.start[v].norm() > 0.999).collect();
         let angle = |v: usize| built.start[v].y.atan2(built.start[v].x);
         chain.sort_by(|&u, &v| angle(u).total_cmp(&angle(v)));
         chain.push(chain[0]);
@@ -326,7 +360,8 @@ mod tests {
             assert!((turns - 7.0).abs() < 1e-9, "{turns}");
         }
         // Along half of the rim it is half of them.
-        built.probes[0].quantity = Quantity::WavesAround { chain: chain[..=chain.len() / 2].to_vec() };
+        built.probes[0].quantity =
+            Quantity::WavesAround { chain: chain[..=chain.len() / 2].to_vec() };
         let half = measure(&built, &field, &report(&[]))[0].value;
         assert!((half - 3.5).abs() < 0.3, "{half}");
     }
@@ -337,8 +372,18 @@ mod tests {
         let mut field = plane_wave(&built, Vec2::x());
         field.amplitude_m[5] = 2e-3;
         let measured = measure(&built, &field, &report(&[7, 3]));
-        let short: Vec<_> = measured.iter().map(|m| (m.name.as_str(), m.unit, m.published, m.source.as_deref())).collect();
-        assert_eq!(short, [("waves", "waves", Some(3.0), None), ("peak", "m", None, None), ("turns", "waves", None, Some("nobody"))]);
+        let short: Vec<_> = measured
+            .iter()
+            .map(|m| (m.name.as_str(), m.unit, m.published, m.source.as_deref()))
+            .collect();
+        assert_eq!(
+            short,
+            [
+                ("waves", "waves", Some(3.0), None),
+                ("peak", "m", None, None),
+                ("turns", "waves", None, Some("nobody"))
+            ]
+        );
         assert_eq!((measured[1].value, measured[2].value), (2e-3, 7.0));
         assert_eq!(measure(&built, &field, &report(&[]))[2].value, 0.0);
     }

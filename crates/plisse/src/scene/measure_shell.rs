@@ -1,7 +1,9 @@
-//! Numbers taken from a shell that resolves its wrinkles, to be held against published ones and against the field's.
+//! Numbers taken from a shell that resolves its wrinkles, to be held against published ones and
+//! against the field's.
 //!
-//! Waves along a line are counted as one counts them by eye: ups and downs of the shell's height over the base surface. A change
-//! counts if it is at least a fifth of the largest height difference along the line and a hundredth of the thickness.
+//! Waves along a line are counted as one counts them by eye: ups and downs of the shell's height
+//! over the base surface. A change counts if it is at least a fifth of the largest height
+//! difference along the line and a hundredth of the thickness.
 
 use super::build::Built;
 use super::measure::{Crossing, Measured, Quantity};
@@ -13,7 +15,8 @@ const VISIBLE: f64 = 0.2;
 /// Part of the thickness below which nothing is a wrinkle.
 const LEAST: f64 = 0.01;
 
-/// Those of the scene's measures that make sense for the shell pose `shell` (`[V]`, m) over the base surface `base` (`[V]`, m).
+/// Those of the scene's measures that make sense for the shell pose `shell` (`[V]`, m) over the
+/// base surface `base` (`[V]`, m).
 pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measured> {
     let normals = vertex_normals(&built.topology, base);
     let height: Vec<f64> = (0..base.len()).map(|v| (shell[v] - base[v]).dot(&normals[v])).collect();
@@ -21,20 +24,40 @@ pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measur
         let (value, unit) = match &probe.quantity {
             Quantity::LargestPeriod => return None,
             Quantity::PeakAmplitude => {
-                let (low, high) = height.iter().fold((0.0_f64, 0.0_f64), |(low, high), &h| (low.min(h), high.max(h)));
+                let (low, high) = height
+                    .iter()
+                    .fold((0.0_f64, 0.0_f64), |(low, high), &h| (low.min(h), high.max(h)));
                 (0.5 * (high - low), "m")
             }
             Quantity::WavesAlong { crossings, .. } => {
                 let corners = |f: usize| built.topology.faces[f];
                 let at = |(f, w): &Crossing| (0..3).map(|k| w[k] * height[corners(*f)[k]]).sum();
                 let place = |(f, w): &Crossing| (0..3).map(|k| base[corners(*f)[k]] * w[k]).sum();
-                (waves(built, crossings.iter().map(at).collect(), crossings.iter().map(place).collect()), "waves")
+                (
+                    waves(
+                        built,
+                        crossings.iter().map(at).collect(),
+                        crossings.iter().map(place).collect(),
+                    ),
+                    "waves",
+                )
             }
-            Quantity::WavesAround { chain } => {
-                (waves(built, chain.iter().map(|&v| height[v]).collect(), chain.iter().map(|&v| base[v]).collect()), "waves")
-            }
+            Quantity::WavesAround { chain } => (
+                waves(
+                    built,
+                    chain.iter().map(|&v| height[v]).collect(),
+                    chain.iter().map(|&v| base[v]).collect(),
+                ),
+                "waves",
+            ),
         };
-        Some(Measured { name: probe.name.clone(), value, unit, published: probe.published, source: probe.source.clone() })
+        Some(Measured {
+            name: probe.name.clone(),
+            value,
+            unit,
+            published: probe.published,
+            source: probe.source.clone(),
+        })
     };
     built.probes.iter().filter_map(take).collect()
 }
@@ -51,7 +74,9 @@ fn waves(built: &Built, mut line: Vec<f64>, places: Vec<Vec3>) -> f64 {
         line.rotate_left(lowest);
         line.push(line[0]);
     }
-    let (low, high) = line.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)));
+    let (low, high) = line
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)));
     count_waves(&line, (VISIBLE * (high - low)).max(LEAST * built.material.thickness_m))
 }
 
@@ -79,11 +104,17 @@ mod tests {
     #[test]
     fn waves_are_counted_as_by_eye() {
         let wave = |n: f64, phase: f64| -> Vec<f64> {
-            (0..=1000).map(|i| (i as f64 / 1000.0 * n * std::f64::consts::TAU + phase).sin()).collect()
+            (0..=1000)
+                .map(|i| (i as f64 / 1000.0 * n * std::f64::consts::TAU + phase).sin())
+                .collect()
         };
         // Whole waves from trough to trough; ripples of a tenth do not count.
         assert_eq!(count_waves(&wave(7.0, -std::f64::consts::FRAC_PI_2), 0.4), 7.0);
-        let rippled: Vec<f64> = wave(7.0, -std::f64::consts::FRAC_PI_2).iter().zip(wave(83.0, 0.3)).map(|(a, b)| a + 0.1 * b).collect();
+        let rippled: Vec<f64> = wave(7.0, -std::f64::consts::FRAC_PI_2)
+            .iter()
+            .zip(wave(83.0, 0.3))
+            .map(|(a, b)| a + 0.1 * b)
+            .collect();
         assert_eq!(count_waves(&rippled, 0.4), 7.0);
         assert!((count_waves(&wave(7.0, 1.0), 0.4) - 7.0).abs() <= 0.5);
         assert_eq!(count_waves(&[3.0; 10], 0.4), 0.0);

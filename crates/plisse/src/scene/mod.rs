@@ -1,7 +1,9 @@
-//! Scenes: a TOML file that says what is sewn, held, pushed and solved, and what was published about it.
+//! Scenes: a TOML file that says what is sewn, held, pushed and solved, and what was published
+//! about it.
 //!
 //! [`schema`] is the file's content, [`read`](mod@read) turns text into it and tells what is wrong in words, [`mod@build`] makes
-//! surface, start pose, clamps and loads of it, [`solve_base`] solves its base surface, fine meshes by way of coarse ones,
+//! surface, start pose, clamps and loads of it, [`solve_base`] solves its base surface, fine meshes
+//! by way of coarse ones,
 //! [`measure`](mod@measure) compares a solved field with what was published.
 //! [`growth`] does the same for a surface that grows.
 //! `docs/scene-format.md` describes every field.

@@ -12,14 +12,18 @@ use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
 use crate::{Error, Result};
 
-/// How far apart the two start positions of a sewn vertex may be, relative to the size of the start pose.
+/// How far apart the two start positions of a sewn vertex may be, relative to the size of the start
+/// pose.
 const SEAM_TOLERANCE: f64 = 1e-6;
 
 /// What can be said about a panel before it is cut.
 pub(super) fn check_panel(place: &str, panel: &PanelTable) -> Result<()> {
     not_blank(&format!("{place}.name"), &panel.name)?;
     if panel.name.contains('.') {
-        let message = format!("\"{}\" has a dot, which separates panel and side; write the name without", panel.name);
+        let message = format!(
+            "\"{}\" has a dot, which separates panel and side; write the name without",
+            panel.name
+        );
         return Err(Error::value(format!("{place}.name"), message));
     }
     check_sizes(place, panel)?;
@@ -50,13 +54,19 @@ pub(super) fn check_panel(place: &str, panel: &PanelTable) -> Result<()> {
 /// The names that a polygon gives its sides; their corners are checked when it is cut.
 fn check_sides(place: &str, sides: &[SideTable]) -> Result<()> {
     if sides.is_empty() {
-        return Err(Error::value(format!("{place}.sides"), "this lists no side; list at least one, or remove it"));
+        return Err(Error::value(
+            format!("{place}.sides"),
+            "this lists no side; list at least one, or remove it",
+        ));
     }
     for (n, side) in sides.iter().enumerate() {
         let field = format!("{place}.sides[{n}].name");
         not_blank(&field, &side.name)?;
         if side.name.contains('.') {
-            let message = format!("\"{}\" has a dot, which separates panel and side; write the name without", side.name);
+            let message = format!(
+                "\"{}\" has a dot, which separates panel and side; write the name without",
+                side.name
+            );
             return Err(Error::value(field, message));
         }
     }
@@ -65,15 +75,27 @@ fn check_sides(place: &str, sides: &[SideTable]) -> Result<()> {
 
 fn check_pattern(place: &str, panel: &PanelTable) -> Result<()> {
     if panel.mesh != Pattern::Irregular && panel.shape != Shape::Rectangle {
-        return Err(Error::value(format!("{place}.mesh"), "only rectangles can have rows and columns; choose \"irregular\""));
+        return Err(Error::value(
+            format!("{place}.mesh"),
+            "only rectangles can have rows and columns; choose \"irregular\"",
+        ));
     }
     for (name, given) in [("columns", panel.columns), ("rows", panel.rows)] {
         let field = format!("{place}.{name}");
         match given {
             Some(_) if panel.mesh == Pattern::Irregular => {
-                return Err(Error::value(field, "an irregular panel has none; choose mesh = \"rising\" or \"falling\", or remove this"));
+                return Err(Error::value(
+                    field,
+                    "an irregular panel has none; choose mesh = \"rising\" or \"falling\", or \
+                     remove this",
+                ));
             }
-            Some(0) => return Err(Error::value(field, "a panel cannot have 0 of them; give a whole number of 1 or more")),
+            Some(0) => {
+                return Err(Error::value(
+                    field,
+                    "a panel cannot have 0 of them; give a whole number of 1 or more",
+                ));
+            }
             _ => {}
         }
     }
@@ -92,7 +114,10 @@ fn check_sizes(place: &str, panel: &PanelTable) -> Result<()> {
         ("corners_m", panel.corners_m.is_some()),
     ];
     if panel.sides.is_some() && panel.shape != Shape::Polygon {
-        return Err(Error::value(format!("{place}.sides"), "only a polygon's sides can be named; remove this"));
+        return Err(Error::value(
+            format!("{place}.sides"),
+            "only a polygon's sides can be named; remove this",
+        ));
     }
     let (shape, needed): (&str, &[&str]) = match panel.shape {
         Shape::Rectangle => ("a rectangle", &["width_m", "height_m"]),
@@ -104,7 +129,8 @@ fn check_sizes(place: &str, panel: &PanelTable) -> Result<()> {
     };
     for (name, is_given) in given {
         if is_given != needed.contains(&name) {
-            let what = if is_given { "has no such field; remove it" } else { "needs this; give it" };
+            let what =
+                if is_given { "has no such field; remove it" } else { "needs this; give it" };
             let message = format!("{shape} {what} (its sizes: {})", needed.join(", "));
             return Err(Error::value(format!("{place}.{name}"), message));
         }
@@ -114,9 +140,14 @@ fn check_sizes(place: &str, panel: &PanelTable) -> Result<()> {
 
 /// The outline of a flat panel called `place` in errors, whose sizes are given.
 pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
-    let size = |name: &str, value: Option<f64>| positive(&format!("{place}.{name}"), value.unwrap_or_default());
+    let size = |name: &str, value: Option<f64>| {
+        positive(&format!("{place}.{name}"), value.unwrap_or_default())
+    };
     Ok(match panel.shape {
-        Shape::Rectangle => Outline::Rectangle { width_m: size("width_m", panel.width_m)?, height_m: size("height_m", panel.height_m)? },
+        Shape::Rectangle => Outline::Rectangle {
+            width_m: size("width_m", panel.width_m)?,
+            height_m: size("height_m", panel.height_m)?,
+        },
         Shape::Disk => Outline::Disk { radius_m: size("radius_m", panel.radius_m)? },
         Shape::Annulus => Outline::Annulus {
             inner_radius_m: size("inner_radius_m", panel.inner_radius_m)?,
@@ -128,7 +159,8 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
             for (c, corner) in corners_m.iter().enumerate() {
                 in_reach(&format!("{place}.corners_m[{c}]"), corner)?;
             }
-            let sides = panel.sides.iter().flatten().map(|side| (side.corner, side.name.clone())).collect();
+            let sides =
+                panel.sides.iter().flatten().map(|side| (side.corner, side.name.clone())).collect();
             Outline::Polygon { corners_m, sides }
         }
     })
@@ -144,7 +176,11 @@ pub(super) fn side_names(panel: &PanelTable) -> Vec<String> {
         Shape::Disk => &["rim"],
         Shape::Annulus => &["outer", "inner"],
         Shape::Sphere | Shape::Torus => &[],
-        Shape::Polygon => return (0..panel.corners_m.as_ref().map_or(0, Vec::len)).map(|side| side.to_string()).collect(),
+        Shape::Polygon => {
+            return (0..panel.corners_m.as_ref().map_or(0, Vec::len))
+                .map(|side| side.to_string())
+                .collect();
+        }
     };
     names.iter().map(|&name| name.to_owned()).collect()
 }
@@ -154,7 +190,8 @@ pub(super) fn plane(place: &str, x_axis: [f64; 3], y_axis: [f64; 3]) -> Result<[
     let x = direction(&format!("{place}.place.x_axis"), x_axis)?;
     let y = direction(&format!("{place}.place.y_axis"), y_axis)?;
     if x.dot(&y).abs() > 1e-9 {
-        let message = "the axes are not perpendicular, which would stretch the panel; give perpendicular ones";
+        let message = "the axes are not perpendicular, which would stretch the panel; give \
+            perpendicular ones";
         return Err(Error::value(format!("{place}.place.y_axis"), message));
     }
     Ok([x, y])
@@ -163,7 +200,12 @@ pub(super) fn plane(place: &str, x_axis: [f64; 3], y_axis: [f64; 3]) -> Result<[
 /// The panels, cut and sewn and laid into space.
 pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     let place = scene.file.display().to_string();
-    let cut: Vec<Panel> = scene.panel.iter().enumerate().map(|(i, table)| cut(&format!("panel[{i}]"), table)).collect::<Result<_>>()?;
+    let cut: Vec<Panel> = scene
+        .panel
+        .iter()
+        .enumerate()
+        .map(|(i, table)| cut(&format!("panel[{i}]"), table))
+        .collect::<Result<_>>()?;
     let (mut panels, mut sides, mut face, mut rest) = (Vec::new(), Vec::new(), 0, 0);
     for (panel, table) in cut.iter().zip(&scene.panel) {
         let of_panel = panel.sides.iter().zip(&panel.side_names).map(|(chain, name)| Side {
@@ -172,33 +214,40 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
             closed: closed(table),
         });
         sides.push(of_panel.collect());
-        let (faces, rest_vertices) = (face..face + panel.faces.len(), rest..rest + panel.positions.len());
+        let (faces, rest_vertices) =
+            (face..face + panel.faces.len(), rest..rest + panel.positions.len());
         (face, rest) = (faces.end, rest_vertices.end);
         panels.push(BuiltPanel { name: table.name.clone(), faces, rest_vertices });
     }
     let side = |field: String, reference: &str| -> Result<(usize, &[usize])> {
         let (p, name) = scene.side(&field, reference)?;
-        let missing = || Error::value(field, format!("panel {p} has no side \"{name}\"; name another one"));
+        let missing =
+            || Error::value(field, format!("panel {p} has no side \"{name}\"; name another one"));
         Ok((p, cut[p].side(&name).ok_or_else(missing)?))
     };
 
     let mut chains = Vec::new();
     for (i, seam) in scene.seam.iter().enumerate() {
-        let (a, b) = (side(format!("seam[{i}].a"), &seam.a)?, side(format!("seam[{i}].b"), &seam.b)?);
+        let (a, b) =
+            (side(format!("seam[{i}].a"), &seam.a)?, side(format!("seam[{i}].b"), &seam.b)?);
         let b_chain = match (seam.reversed, closed(&scene.panel[b.0])) {
             (false, _) => b.1.to_vec(),
             (true, false) => reversed(b.1),
-            (true, true) => b.1[..1].iter().copied().chain(b.1[1..].iter().rev().copied()).collect(),
+            (true, true) => {
+                b.1[..1].iter().copied().chain(b.1[1..].iter().rev().copied()).collect()
+            }
         };
         chains.push((a, (b.0, b_chain)));
     }
     let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam { a: *a, b: (b.0, &b.1) }).collect();
     let sewn = sew(&place, &cut, &seams)?;
-    let mut rest_positions: Vec<Vec3> = sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+    let mut rest_positions: Vec<Vec3> =
+        sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let chart = closed::shape(scene, &panels, &mut rest_positions, &sewn.rest_faces)?;
     let laid = lay_panels(scene, &panels, &rest_positions)?;
     let start = start(scene, &panels, &seams, &sewn, &laid)?;
-    let texture = chart.as_ref().map(|(points, faces)| (side_by_side(points, faces), faces.clone()));
+    let texture =
+        chart.as_ref().map(|(points, faces)| (side_by_side(points, faces), faces.clone()));
     Ok(Laid {
         topology: sewn.topology,
         rest_positions,
@@ -214,12 +263,18 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     })
 }
 
-/// A panel called `place` in errors; of a closed surface its faces, with vertices that [`closed::shape`] puts right.
+/// A panel called `place` in errors; of a closed surface its faces, with vertices that
+/// [`closed::shape`] puts right.
 fn cut(place: &str, table: &PanelTable) -> Result<Panel> {
     if table.shape.closed() {
         let surface = closed::cut(place, table)?;
         let positions = surface.positions.iter().map(|p| p.xy()).collect();
-        return Ok(Panel { positions, faces: surface.faces, sides: Vec::new(), side_names: Vec::new() });
+        return Ok(Panel {
+            positions,
+            faces: surface.faces,
+            sides: Vec::new(),
+            side_names: Vec::new(),
+        });
     }
     let outline = outline(place, table)?;
     let diagonal = match table.mesh {
@@ -228,16 +283,21 @@ fn cut(place: &str, table: &PanelTable) -> Result<Panel> {
         Pattern::Falling => Some(Diagonal::Falling),
     };
     match (outline, diagonal) {
-        (Outline::Rectangle { width_m, height_m }, Some(diagonal)) => {
-            grid(place, [width_m, height_m], table.edge_length_m, [table.columns, table.rows], diagonal)
-        }
+        (Outline::Rectangle { width_m, height_m }, Some(diagonal)) => grid(
+            place,
+            [width_m, height_m],
+            table.edge_length_m,
+            [table.columns, table.rows],
+            diagonal,
+        ),
         (outline, _) => Panel::new(place, &outline, table.edge_length_m, table.seed),
     }
 }
 
 /// Whether the sides of a panel return to where they begin.
 fn closed(panel: &PanelTable) -> bool {
-    matches!(panel.shape, Shape::Disk | Shape::Annulus) || panel.sides.as_ref().is_some_and(|sides| sides.len() == 1)
+    matches!(panel.shape, Shape::Disk | Shape::Annulus)
+        || panel.sides.as_ref().is_some_and(|sides| sides.len() == 1)
 }
 
 /// `[R]` start position (m) of each rest vertex.
@@ -260,8 +320,15 @@ fn lay_panels(scene: &Scene, panels: &[BuiltPanel], rest_positions: &[Vec3]) -> 
     Ok(laid)
 }
 
-/// `[V]` start position (m) of each vertex, from those of the rest vertices; sewn sides must meet unless they may start apart.
-fn start(scene: &Scene, panels: &[BuiltPanel], seams: &[Seam<'_>], sewn: &Sewn, laid: &[Vec3]) -> Result<Vec<Vec3>> {
+/// `[V]` start position (m) of each vertex, from those of the rest vertices; sewn sides must meet
+/// unless they may start apart.
+fn start(
+    scene: &Scene,
+    panels: &[BuiltPanel],
+    seams: &[Seam<'_>],
+    sewn: &Sewn,
+    laid: &[Vec3],
+) -> Result<Vec<Vec3>> {
     let [low, high] = extent(laid);
     let tolerance_m = SEAM_TOLERANCE * (high - low).norm();
     // Vertices that start at the mean of their places.
@@ -277,7 +344,8 @@ fn start(scene: &Scene, panels: &[BuiltPanel], seams: &[Seam<'_>], sewn: &Sewn, 
             let apart = (laid[u] - laid[v]).norm();
             if apart > tolerance_m {
                 let message = format!(
-                    "\"{}\" and \"{}\" start {apart:.3e} m apart; place the panels so that sewn sides meet, change reversed, \
+                    "\"{}\" and \"{}\" start {apart:.3e} m apart; place the panels so that sewn \
+                     sides meet, change reversed, \
                      or set start_apart = true",
                     scene.seam[i].a, scene.seam[i].b
                 );
@@ -307,21 +375,31 @@ mod tests {
     use super::*;
     use crate::scene::{Built, build, parse};
 
-    const HEAD: &str = "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
+    const HEAD: &str =
+        "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
 
     fn built(rest: &str) -> Result<Built> {
         build(&parse("s.toml", &format!("{HEAD}{rest}"))?)
     }
 
     fn panel(name: &str, more: &str) -> String {
-        format!("[[panel]]\nname = \"{name}\"\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = 0.5\nedge_length_m = 0.1\n{more}\n")
+        format!(
+            "[[panel]]\nname = \"{name}\"\nshape = \"rectangle\"\nwidth_m = 1.0\nheight_m = \
+             0.5\nedge_length_m = 0.1\n{more}\n"
+        )
     }
 
     const CLAMP: &str = "[[clamp]]\nside = \"p.left\"\n";
 
     #[test]
     fn rolls_have_a_centre_and_a_start() {
-        let roll = |more: &str| built(&(panel("p", &format!("place = {{ kind = \"rolled\", radius_m = 2.0{more} }}")) + CLAMP)).unwrap();
+        let roll = |more: &str| {
+            built(
+                &(panel("p", &format!("place = {{ kind = \"rolled\", radius_m = 2.0{more} }}"))
+                    + CLAMP),
+            )
+            .unwrap()
+        };
         let (plain, moved) = (roll(""), roll(", centre_m = [1.0, -2.0, 3.0], start_deg = 90"));
         for (a, b) in plain.start.iter().zip(&moved.start) {
             assert!((Vec3::new(1.0 - a.y, a.x - 2.0, a.z + 3.0) - b).norm() < 1e-14);
@@ -332,16 +410,27 @@ mod tests {
     fn sides_that_start_apart_meet_halfway() {
         let text = |more: &str| {
             let place = "place = { kind = \"flat\", origin_m = [1.5, 0.0, 0.25] }";
-            format!("{}{}[[seam]]\na = \"p.right\"\nb = \"q.left\"\nreversed = true\n{more}{CLAMP}", panel("p", ""), panel("q", place))
+            format!(
+                "{}{}[[seam]]\na = \"p.right\"\nb = \"q.left\"\nreversed = true\n{more}{CLAMP}",
+                panel("p", ""),
+                panel("q", place)
+            )
         };
         let refused = built(&text("")).unwrap_err().to_string();
-        assert!(refused.contains("seam[0]") && refused.contains("or set start_apart = true"), "{refused}");
+        assert!(
+            refused.contains("seam[0]") && refused.contains("or set start_apart = true"),
+            "{refused}"
+        );
         let b = built(&text("start_apart = true\n")).unwrap();
         let met: Vec<Vec3> = b.start.iter().copied().filter(|p| p.x == 1.25).collect();
         assert_eq!(met.len(), 6);
         assert!(met.iter().all(|p| p.z == 0.125));
         // Nothing else moves, and the rest shape does not.
-        assert!(b.start.iter().all(|p| (p.x <= 1.0 && p.z == 0.0) || (p.x >= 1.5 && p.z == 0.25) || p.x == 1.25));
+        assert!(
+            b.start
+                .iter()
+                .all(|p| (p.x <= 1.0 && p.z == 0.0) || (p.x >= 1.5 && p.z == 0.25) || p.x == 1.25)
+        );
         assert!((b.rest.area_m2() - 1.0).abs() < 1e-12);
     }
 
@@ -349,20 +438,26 @@ mod tests {
     fn named_sides_are_sewn_and_clamped() {
         let trapezium = |sides: &str| {
             format!(
-                "[[panel]]\nname = \"p\"\nshape = \"polygon\"\ncorners_m = [[0, 0], [1, 0], [2, 0], [2, 1], [0, 1]]\n{sides}\nedge_length_m = 0.2\n"
+                "[[panel]]\nname = \"p\"\nshape = \"polygon\"\ncorners_m = [[0, 0], [1, 0], [2, \
+                 0], [2, 1], [0, 1]]\n{sides}\nedge_length_m = 0.2\n"
             )
         };
         let sides = "sides = [{ name = \"hem\", corner = 0 }, { name = \"rest\", corner = 2 }]";
         let b = built(&(trapezium(sides) + "[[clamp]]\nside = \"p.hem\"\n")).unwrap();
-        let held: Vec<Vec3> = (0..b.start.len()).filter(|&v| b.clamps.held()[v]).map(|v| b.start[v]).collect();
+        let held: Vec<Vec3> =
+            (0..b.start.len()).filter(|&v| b.clamps.held()[v]).map(|v| b.start[v]).collect();
         assert_eq!(held.len(), 11);
         assert!(held.iter().all(|p| p.y == 0.0));
-        let refused = |sides: &str, clamp: &str| built(&(trapezium(sides) + clamp)).unwrap_err().to_string();
+        let refused =
+            |sides: &str, clamp: &str| built(&(trapezium(sides) + clamp)).unwrap_err().to_string();
         let clamp = "[[clamp]]\nside = \"p.hem\"\n";
         assert!(refused(sides, "[[clamp]]\nside = \"p.0\"").contains("its sides are hem, rest"));
         for (wrong, says) in [
             ("sides = []", "panel[0].sides: this lists no side"),
-            ("sides = [{ name = \"hem\", corner = 5 }]", "panel[0].sides[0].corner: there is no corner 5"),
+            (
+                "sides = [{ name = \"hem\", corner = 5 }]",
+                "panel[0].sides[0].corner: there is no corner 5",
+            ),
             (
                 "sides = [{ name = \"hem\", corner = 3 }, { name = \"a\", corner = 1 }]",
                 "panel[0].sides[1].corner: corner 1 does not come after",
@@ -371,20 +466,32 @@ mod tests {
                 "sides = [{ name = \"hem\", corner = 3 }, { name = \"hem\", corner = 4 }]",
                 "panel[0].sides[1].name: sides[0] is called \"hem\"",
             ),
-            ("sides = [{ name = \"hem\", corner = 3 }, { name = \"\", corner = 4 }]", "panel[0].sides[1].name: this is empty"),
-            ("sides = [{ name = \"a.b\", corner = 3 }, { name = \"hem\", corner = 4 }]", "panel[0].sides[0].name: \"a.b\" has a dot"),
+            (
+                "sides = [{ name = \"hem\", corner = 3 }, { name = \"\", corner = 4 }]",
+                "panel[0].sides[1].name: this is empty",
+            ),
+            (
+                "sides = [{ name = \"a.b\", corner = 3 }, { name = \"hem\", corner = 4 }]",
+                "panel[0].sides[0].name: \"a.b\" has a dot",
+            ),
         ] {
             assert!(refused(wrong, clamp).contains(says), "{wrong}: {}", refused(wrong, clamp));
         }
         // A polygon's only side is closed, and may be sewn to another such.
-        let corners: Vec<[f64; 2]> = (0..8).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos()).map(|(s, c)| [c, s]).collect();
+        let corners: Vec<[f64; 2]> = (0..8)
+            .map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos())
+            .map(|(s, c)| [c, s])
+            .collect();
         let octagon = |name: &str| {
             format!(
-                "[[panel]]\nname = \"{name}\"\nshape = \"polygon\"\ncorners_m = {corners:?}\nedge_length_m = 0.2\n\
+                "[[panel]]\nname = \"{name}\"\nshape = \"polygon\"\ncorners_m = \
+                 {corners:?}\nedge_length_m = 0.2\n\
                  sides = [{{ name = \"rim\", corner = 1 }}]\n"
             )
         };
-        let two = octagon("p") + &octagon("q") + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
+        let two = octagon("p")
+            + &octagon("q")
+            + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
         let b = built(&two).unwrap();
         assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 2);
     }
@@ -392,14 +499,29 @@ mod tests {
     #[test]
     fn structured_panels_are_rectangles_only() {
         let b = built(&(panel("p", "mesh = \"falling\"\ncolumns = 4") + CLAMP)).unwrap();
-        assert_eq!((b.topology.face_count(), b.clamps.held().iter().filter(|h| **h).count()), (2 * 4 * 5, 6));
+        assert_eq!(
+            (b.topology.face_count(), b.clamps.held().iter().filter(|h| **h).count()),
+            (2 * 4 * 5, 6)
+        );
         assert!(b.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.25 * 0.1).abs() < 1e-15));
         let refused = |more: &str| built(&(panel("p", more) + CLAMP)).unwrap_err().to_string();
-        assert!(refused("rows = 3").contains("panel[0].rows: an irregular panel has none; choose mesh ="));
-        assert!(refused("mesh = \"rising\"\nrows = 0").contains("panel[0].rows: a panel cannot have 0"));
-        assert!(refused("mesh = \"wavy\"").contains("panel.mesh cannot be \"wavy\"; give one of irregular, rising, falling"));
-        assert!(refused("sides = [{ name = \"a\", corner = 0 }]").contains("panel[0].sides: only a polygon's sides"));
-        let disk = "[[panel]]\nname = \"p\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = 0.3\nmesh = \"rising\"\n";
+        assert!(
+            refused("rows = 3")
+                .contains("panel[0].rows: an irregular panel has none; choose mesh =")
+        );
+        assert!(
+            refused("mesh = \"rising\"\nrows = 0").contains("panel[0].rows: a panel cannot have 0")
+        );
+        assert!(
+            refused("mesh = \"wavy\"")
+                .contains("panel.mesh cannot be \"wavy\"; give one of irregular, rising, falling")
+        );
+        assert!(
+            refused("sides = [{ name = \"a\", corner = 0 }]")
+                .contains("panel[0].sides: only a polygon's sides")
+        );
+        let disk = "[[panel]]\nname = \"p\"\nshape = \"disk\"\nradius_m = 1.0\nedge_length_m = \
+            0.3\nmesh = \"rising\"\n";
         assert!(built(disk).unwrap_err().to_string().contains("panel[0].mesh: only rectangles"));
     }
 }

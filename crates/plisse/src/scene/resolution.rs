@@ -9,13 +9,15 @@ use crate::rest::RestMetric;
 use crate::shell::Clamps;
 use crate::{Error, Result};
 
-/// Steps of the search for an edge length. Vertices go with its inverse square but for the rounding on sides, so a few are enough.
+/// Steps of the search for an edge length. Vertices go with its inverse square but for the rounding
+/// on sides, so a few are enough.
 const STEPS: usize = 6;
 /// The search ends within this part of the wanted number.
 const CLOSE: f64 = 0.01;
 
-/// `scene` with the edge lengths of all its panels scaled so that it has about `vertices` vertices, and what it builds to. Rows and
-/// columns of structured panels that the scene counts are scaled too.
+/// `scene` with the edge lengths of all its panels scaled so that it has about `vertices` vertices,
+/// and what it builds to. Rows and columns of structured panels that the scene counts are scaled
+/// too.
 ///
 /// # Errors
 /// [`Error::Value`] if the scene wears a mesh; the errors of [`build`].
@@ -24,7 +26,8 @@ pub fn with_vertices(scene: &Scene, vertices: usize) -> Result<(Scene, Built)> {
         let message = "a mesh from files cannot be cut anew; give panels";
         return Err(Error::value(format!("{}, mesh", scene.file.display()), message));
     }
-    let distance = |built: &Built| (built.topology.vertex_count as f64 / vertices as f64).ln().abs();
+    let distance =
+        |built: &Built| (built.topology.vertex_count as f64 / vertices as f64).ln().abs();
     let mut built = build(scene)?;
     let mut best = (scene.clone(), distance(&built), None);
     let mut factor = 1.0;
@@ -58,8 +61,9 @@ fn with_edges_scaled(scene: &Scene, factor: f64) -> Scene {
     scaled
 }
 
-/// `built` with every face cut in four of the same shape, nothing smoothed. What the middle of an edge is held at is the mean of both ends,
-/// if both are held. Measures along lines and sides are left out.
+/// `built` with every face cut in four of the same shape, nothing smoothed. What the middle of an
+/// edge is held at is the mean of both ends, if both are held. Measures along lines and sides are
+/// left out.
 ///
 /// # Errors
 /// [`Error::Mesh`] if a face has no area; there is none if `built` comes from [`build`].
@@ -69,19 +73,30 @@ pub fn refined(built: &Built) -> Result<Built> {
     let (rest_positions, rest_faces) = refine_rest(&built.rest_positions, &built.rest_faces);
     let target = |t: &[Option<f64>; 3]| Vec3::from(t.map(|c| c.unwrap_or(0.0)));
     let is_held = |t: &[Option<f64>; 3]| Vec3::from(t.map(|c| if c.is_some() { 1.0 } else { 0.0 }));
-    let targets: Vec<Vec3> = refine_rest(&built.clamps.targets.iter().map(target).collect::<Vec<_>>(), &coarse.faces).0;
-    let held: Vec<Vec3> = refine_rest(&built.clamps.targets.iter().map(is_held).collect::<Vec<_>>(), &coarse.faces).0;
-    let clamp = |(target, held): (&Vec3, &Vec3)| [0, 1, 2].map(|axis| (held[axis] == 1.0).then_some(target[axis]));
+    let targets: Vec<Vec3> =
+        refine_rest(&built.clamps.targets.iter().map(target).collect::<Vec<_>>(), &coarse.faces).0;
+    let held: Vec<Vec3> =
+        refine_rest(&built.clamps.targets.iter().map(is_held).collect::<Vec<_>>(), &coarse.faces).0;
+    let clamp = |(target, held): (&Vec3, &Vec3)| {
+        [0, 1, 2].map(|axis| (held[axis] == 1.0).then_some(target[axis]))
+    };
     let mut fine = built.clone();
     fine.rest = RestMetric::from_shape(&built.title, &rest_positions, &rest_faces)?;
     fine.topology = Topology::new(&built.title, start.len(), faces)?;
     fine.clamps = Clamps { targets: targets.iter().zip(&held).map(clamp).collect() };
-    fine.probes.retain(|probe| matches!(probe.quantity, Quantity::LargestPeriod | Quantity::PeakAmplitude));
-    fine.texture = built.texture.as_ref().map(|(coordinates, corners)| refine_rest(coordinates, corners));
+    fine.probes.retain(|probe| {
+        matches!(probe.quantity, Quantity::LargestPeriod | Quantity::PeakAmplitude)
+    });
+    fine.texture =
+        built.texture.as_ref().map(|(coordinates, corners)| refine_rest(coordinates, corners));
     for panel in &mut fine.panels {
         panel.faces = 4 * panel.faces.start..4 * panel.faces.end;
         // New rest vertices come after all the old ones, so only one panel's are together.
-        panel.rest_vertices = if built.panels.len() == 1 { 0..rest_positions.len() } else { panel.rest_vertices.clone() };
+        panel.rest_vertices = if built.panels.len() == 1 {
+            0..rest_positions.len()
+        } else {
+            panel.rest_vertices.clone()
+        };
     }
     (fine.start, fine.rest_positions, fine.rest_faces) = (start, rest_positions, rest_faces);
     Ok(fine)
@@ -128,9 +143,13 @@ mod tests {
         let count = |built: &Built| built.clamps.held().iter().filter(|held| **held).count();
         assert_eq!(count(&fine), 2 * count(&coarse) - 1);
         for (start, target) in fine.start.iter().zip(&fine.clamps.targets) {
-            let expected = if start.x == 0.0 { [Some(-0.1), Some(start.y), Some(0.0)] } else { [None; 3] };
+            let expected =
+                if start.x == 0.0 { [Some(-0.1), Some(start.y), Some(0.0)] } else { [None; 3] };
             assert_eq!(*target, expected);
         }
-        assert_eq!((fine.probes.len(), fine.panels[0].faces.clone()), (1, 0..fine.topology.face_count()));
+        assert_eq!(
+            (fine.probes.len(), fine.panels[0].faces.clone()),
+            (1, 0..fine.topology.face_count())
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! What a scene file may say: one struct for each of its tables, with the file's own field names.
 //!
-//! Only types and defaults are here; [`mod@super::read`] checks what the types cannot say. Lengths are in m, angles in degrees
-//! (people write these files), as the names of the fields say.
+//! Only types and defaults are here; [`mod@super::read`] checks what the types cannot say. Lengths
+//! are in m, angles in degrees (people write these files), as the names of the fields say.
 
 use std::path::PathBuf;
 
@@ -76,7 +76,8 @@ pub struct MaterialTable {
     pub density_kg_m3: Option<f64>,
 }
 
-/// `[[panel]]`: a flat piece, see [`crate::mesh::panel`], or a closed surface, see [`crate::mesh::closed`].
+/// `[[panel]]`: a flat piece, see [`crate::mesh::panel`], or a closed surface, see
+/// [`crate::mesh::closed`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelTable {
@@ -144,7 +145,8 @@ pub enum Pattern {
     Falling,
 }
 
-/// `[mesh]`: a surface from files; either its start, which is also its rest shape, or a garment as pattern programs export it, see
+/// `[mesh]`: a surface from files; either its start, which is also its rest shape, or a garment as
+/// pattern programs export it, see
 /// [`crate::io::worn`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -153,7 +155,8 @@ pub struct MeshTable {
     pub start: Option<PathBuf>,
     /// OBJ file of a garment's start pose, relative to the scene file.
     pub worn: Option<PathBuf>,
-    /// OBJ file of a garment's rest shape, relative to the scene file; none: the texture coordinates of `worn`.
+    /// OBJ file of a garment's rest shape, relative to the scene file; none: the texture
+    /// coordinates of `worn`.
     pub rest: Option<PathBuf>,
     /// Length of one unit of texture (m); needed if there is `worn` but no `rest`.
     pub metres_per_uv: Option<f64>,
@@ -166,7 +169,8 @@ fn one_metre() -> f64 {
     1.0
 }
 
-/// Outline of a panel, see [`crate::mesh::panel::Outline`] for the names of its sides; or a closed surface, which has none.
+/// Outline of a panel, see [`crate::mesh::panel::Outline`] for the names of its sides; or a closed
+/// surface, which has none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Shape {
@@ -188,7 +192,8 @@ pub enum Shape {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Place {
-    /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis); a closed surface has its z along their cross product.
+    /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis); a closed surface has its
+    /// z along their cross product.
     Flat {
         /// Where the panel's origin lies (m).
         #[serde(default)]
@@ -300,7 +305,8 @@ pub struct LoadTable {
     pub pressure_pa: f64,
 }
 
-/// `[[force]]`: a force spread over vertices; exactly one of `side`, `near_m` and `within_m` says over which.
+/// `[[force]]`: a force spread over vertices; exactly one of `side`, `near_m` and `within_m` says
+/// over which.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceTable {
@@ -318,7 +324,8 @@ pub struct ForceTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ContactTable {
-    /// Distance below which contact pushes back (m); none: a thousandth of the diagonal of the start pose.
+    /// Distance below which contact pushes back (m); none: a thousandth of the diagonal of the
+    /// start pose.
     pub thickness_m: Option<f64>,
 }
 

@@ -1,4 +1,5 @@
-//! The base solve: the pose of least tension-field and bending energy under clamps, loads and contact (4.1 of [Chen 2021]).
+//! The base solve: the pose of least tension-field and bending energy under clamps, loads and
+//! contact (4.1 of [Chen 2021]).
 
 use web_time::Instant;
 
@@ -19,11 +20,13 @@ const FALLING: f64 = 100.0;
 /// How the base surface is solved.
 #[derive(Clone, Debug)]
 pub struct BaseOptions {
-    /// Share of the ordinary resistance that is left against compression (no unit, 0 to 1): 0 is tension field theory.
+    /// Share of the ordinary resistance that is left against compression (no unit, 0 to 1): 0 is
+    /// tension field theory.
     pub compressive_stiffness: f64,
     /// Newton iterations at most.
     pub iteration_limit: usize,
-    /// Largest gradient component at which the solve ends, in units of Young's modulus · thickness · size.
+    /// Largest gradient component at which the solve ends, in units of Young's modulus · thickness
+    /// · size.
     pub tolerance: f64,
 }
 
@@ -58,18 +61,30 @@ pub struct BaseReport {
 
 /// The base surface (`[V]`, m) of `setup`, from the pose `start` (`[V]`, m) on.
 ///
-/// `start` is first deformed smoothly so that it meets the clamps, blown up a little if pressure acts on a flat surface, and pushed
-/// out of obstacles.
+/// `start` is first deformed smoothly so that it meets the clamps, blown up a little if pressure
+/// acts on a flat surface, and pushed out of obstacles.
 ///
 /// # Errors
 /// [`Error::Value`] if nothing holds the surface, it is open under pressure, or the sheet is not thin; [`Error::Mesh`] if it starts too
-/// deep inside an obstacle; [`Error::Numeric`] if the energy is not finite, or the surface falls for ever.
-pub fn solve_base(setup: &Setup<'_>, start: &[Vec3], options: &BaseOptions, observer: &dyn Observer) -> Result<(Vec<Vec3>, BaseReport)> {
+/// deep inside an obstacle; [`Error::Numeric`] if the energy is not finite, or the surface falls
+/// for ever.
+pub fn solve_base(
+    setup: &Setup<'_>,
+    start: &[Vec3],
+    options: &BaseOptions,
+    observer: &dyn Observer,
+) -> Result<(Vec<Vec3>, BaseReport)> {
     let begun = Instant::now();
     setup.check()?;
     let (begin, resolved_faces) = prepare(setup, start)?;
-    let bending = Bending::Quadratic(QuadraticBending::new(setup.topology, setup.rest, setup.material));
-    let effort = Effort { stage: "base", iteration_limit: options.iteration_limit, tolerance: options.tolerance, leave_saddles: false };
+    let bending =
+        Bending::Quadratic(QuadraticBending::new(setup.topology, setup.rest, setup.material));
+    let effort = Effort {
+        stage: "base",
+        iteration_limit: options.iteration_limit,
+        tolerance: options.tolerance,
+        leave_saddles: false,
+    };
     let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
     let pose = settled.pose;
     let mut states = [0; 3];
@@ -119,7 +134,8 @@ pub(super) struct Settled {
     pub(super) residual: f64,
 }
 
-/// The equilibrium of a shell that resists bending by `bending`, from the prepared pose `begin` (`[V]`, m) on.
+/// The equilibrium of a shell that resists bending by `bending`, from the prepared pose `begin`
+/// (`[V]`, m) on.
 pub(super) fn settle(
     setup: &Setup<'_>,
     begin: &[Vec3],
@@ -160,21 +176,35 @@ pub(super) fn settle(
     })
 }
 
-/// Refuses a result that is no equilibrium of anything: not finite, or endlessly far from the pose that the solve began at.
-fn check_outcome(stage: &'static str, setup: &Setup<'_>, energy: f64, begin: &[Vec3], pose: &[Vec3]) -> Result<()> {
+/// Refuses a result that is no equilibrium of anything: not finite, or endlessly far from the pose
+/// that the solve began at.
+fn check_outcome(
+    stage: &'static str,
+    setup: &Setup<'_>,
+    energy: f64,
+    begin: &[Vec3],
+    pose: &[Vec3],
+) -> Result<()> {
     if !energy.is_finite() {
-        return Err(Error::numeric(stage, "the energy is not a finite number; check the material's constants and the clamps' positions"));
+        return Err(Error::numeric(
+            stage,
+            "the energy is not a finite number; check the material's constants and the clamps' \
+             positions",
+        ));
     }
     let largest = |lengths: &mut dyn Iterator<Item = f64>| lengths.fold(0.0, f64::max);
     let moved = largest(&mut pose.iter().zip(begin).map(|(p, q)| (p - q).norm()));
     if moved > FALLING * (setup.length_m() + largest(&mut begin.iter().map(Vec3::norm))) {
-        return Err(Error::numeric(stage, "the surface falls for ever or is blown up without end; hold it, or lessen the loads"));
+        return Err(Error::numeric(
+            stage,
+            "the surface falls for ever or is blown up without end; hold it, or lessen the loads",
+        ));
     }
     Ok(())
 }
 
-/// Faces of `pose` that are collapsed (below 1 % of their rest area) and inverted (normal against the mean of their
-/// neighbours').
+/// Faces of `pose` that are collapsed (below 1 % of their rest area) and inverted (normal against
+/// the mean of their neighbours').
 pub fn defects(topology: &Topology, rest: &RestMetric, pose: &[Vec3]) -> (Vec<usize>, Vec<usize>) {
     let normals: Vec<Vec3> = topology
         .faces
@@ -184,10 +214,13 @@ pub fn defects(topology: &Topology, rest: &RestMetric, pose: &[Vec3]) -> (Vec<us
             (b - a).cross(&(c - a)) * 0.5
         })
         .collect();
-    let collapsed = (0..topology.face_count()).filter(|&f| normals[f].norm() < 0.01 * rest.faces[f].area_m2).collect();
+    let collapsed = (0..topology.face_count())
+        .filter(|&f| normals[f].norm() < 0.01 * rest.faces[f].area_m2)
+        .collect();
     let inverted = (0..topology.face_count())
         .filter(|&f| {
-            let around: Vec3 = (0..3).filter_map(|k| topology.neighbour(f, k)).map(|g| normals[g]).sum();
+            let around: Vec3 =
+                (0..3).filter_map(|k| topology.neighbour(f, k)).map(|g| normals[g]).sum();
             normals[f].dot(&around) < 0.0
         })
         .collect();

@@ -1,10 +1,11 @@
-//! Contact with obstacles: a smooth barrier that grows without bound towards their surface, so that no vertex ever gets in.
+//! Contact with obstacles: a smooth barrier that grows without bound towards their surface, so that
+//! no vertex ever gets in.
 //!
-//! With d the distance of a vertex from an obstacle, t the contact thickness and s = d/t, the energy is p·A·t·B(s) with
-//! B = −(1 − s)²·ln s below s = 1 and 0 above (the barrier of Li et al. 2020, "Incremental potential contact"); A is the vertex's
-//! rest area and p a pressure of the size of the loads, so that what rests on an obstacle stays well within the thickness (cloth on a
-//! floor at about 0.8 of it).
-//! Several obstacles add up. There is no friction.
+//! With d the distance of a vertex from an obstacle, t the contact thickness and s = d/t, the
+//! energy is p·A·t·B(s) with B = −(1 − s)²·ln s below s = 1 and 0 above (the barrier of Li et al.
+//! 2020, "Incremental potential contact"); A is the vertex's rest area and p a pressure of the size
+//! of the loads, so that what rests on an obstacle stays well within the thickness (cloth on a
+//! floor at about 0.8 of it). Several obstacles add up. There is no friction.
 
 use rayon::prelude::*;
 
@@ -44,26 +45,37 @@ impl<'a> Barrier<'a> {
             return None;
         }
         let material = setup.material;
-        let weight: f64 = setup.dead_forces_newton().iter().map(Vec3::norm).sum::<f64>() / setup.rest.area_m2();
+        let weight: f64 =
+            setup.dead_forces_newton().iter().map(Vec3::norm).sum::<f64>() / setup.rest.area_m2();
         let stiffness = material.young_pa * material.thickness_m / setup.length_m();
-        let pressure_pa = 10.0 * weight + setup.loads.pressure_pa.abs() + setup.contact_pressure_pa + 1e-3 * stiffness;
+        let pressure_pa = 10.0 * weight
+            + setup.loads.pressure_pa.abs()
+            + setup.contact_pressure_pa
+            + 1e-3 * stiffness;
         let strength = setup.vertex_area_m2().into_iter().map(|area| area * pressure_pa).collect();
         Some(Self { obstacles: setup.obstacles, thickness_m: setup.contact_thickness_m, strength })
     }
 
     /// Energy (J) of vertex `v` at `p` (m); infinite inside an obstacle.
     pub(crate) fn energy(&self, v: usize, p: &Vec3) -> f64 {
-        let near = self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m));
-        near.map(|near| self.strength[v] * self.thickness_m * barrier(near.distance_m / self.thickness_m)[0]).sum()
+        let near =
+            self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m));
+        near.map(|near| {
+            self.strength[v] * self.thickness_m * barrier(near.distance_m / self.thickness_m)[0]
+        })
+        .sum()
     }
 
-    /// What obstacles do to vertex `v` at `p` (m); `None` if none is near. The Hessian is the true one if `exact`, else a positive
-    /// semidefinite part of it.
+    /// What obstacles do to vertex `v` at `p` (m); `None` if none is near. The Hessian is the true
+    /// one if `exact`, else a positive semidefinite part of it.
     pub(crate) fn push(&self, v: usize, p: &Vec3, exact: bool) -> Option<Push> {
         let mut push = Push { energy: 0.0, gradient: Vec3::zeros(), hessian: Mat3::zeros() };
         let mut touched = false;
-        for near in self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m)) {
-            let [value, slope, bend] = barrier(near.distance_m / self.thickness_m).map(|b| b * self.strength[v]);
+        for near in
+            self.obstacles.iter().filter_map(|obstacle| obstacle.nearby(p, self.thickness_m))
+        {
+            let [value, slope, bend] =
+                barrier(near.distance_m / self.thickness_m).map(|b| b * self.strength[v]);
             push.energy += value * self.thickness_m;
             push.gradient += near.gradient * slope;
             push.hessian += near.gradient * near.gradient.transpose() * (bend / self.thickness_m);
@@ -75,14 +87,19 @@ impl<'a> Barrier<'a> {
         touched.then_some(push)
     }
 
-    /// The longest part (0 to 1) of a step on which all of `positions` (`[V]`, m), each moved by `by(v)` (m), keep clear.
-    pub(crate) fn longest_step(&self, positions: &[Vec3], by: impl Fn(usize) -> Vec3 + Sync) -> f64 {
+    /// The longest part (0 to 1) of a step on which all of `positions` (`[V]`, m), each moved by
+    /// `by(v)` (m), keep clear.
+    pub(crate) fn longest_step(
+        &self,
+        positions: &[Vec3],
+        by: impl Fn(usize) -> Vec3 + Sync,
+    ) -> f64 {
         let parts = positions.par_iter().enumerate().with_min_len(CHUNK);
         parts.map(|(v, p)| self.longest_move(p, &by(v))).reduce(|| 1.0, f64::min)
     }
 
-    /// The longest part (0 to 1) of the move from `p` by `by` (m) on which the point keeps clear of every obstacle: conservative
-    /// advancement, which never passes through anything, however thin.
+    /// The longest part (0 to 1) of the move from `p` by `by` (m) on which the point keeps clear of
+    /// every obstacle: conservative advancement, which never passes through anything, however thin.
     pub(crate) fn longest_move(&self, p: &Vec3, by: &Vec3) -> f64 {
         let length = by.norm();
         let mut part = 1.0_f64;
@@ -118,7 +135,11 @@ pub(crate) fn barrier(s: f64) -> [f64; 3] {
         return [f64::INFINITY; 3];
     }
     let (gap, log) = (1.0 - s, s.ln());
-    [-gap * gap * log, 2.0 * gap * log - gap * gap / s, -2.0 * log + 4.0 * gap / s + gap * gap / (s * s)]
+    [
+        -gap * gap * log,
+        2.0 * gap * log - gap * gap / s,
+        -2.0 * log + 4.0 * gap / s + gap * gap / (s * s),
+    ]
 }
 
 #[cfg(test)]
@@ -132,14 +153,19 @@ mod tests {
 
     #[test]
     fn derivatives_agree_with_differences() {
-        let obstacles = [ball(), Obstacle::plane("floor", Vec3::new(0.0, 0.0, -0.2), Vec3::z()).unwrap()];
+        let obstacles =
+            [ball(), Obstacle::plane("floor", Vec3::new(0.0, 0.0, -0.2), Vec3::z()).unwrap()];
         let contact = Barrier { obstacles: &obstacles, thickness_m: 0.4, strength: vec![2.0] };
         for x in [[0.8, 0.6, 0.4], [1.05, 0.1, 0.02], [0.9, -0.8, 0.15]] {
             let at = |y: &[f64]| Vec3::new(y[0], y[1], y[2]);
             let push = contact.push(0, &at(&x), true).unwrap();
             assert!((push.energy - contact.energy(0, &at(&x))).abs() < 1e-15);
-            assert!(gradient_error(&x, 0.05, push.gradient.as_slice(), |y| contact.energy(0, &at(y))) < 1e-7);
-            let slope = |y: &[f64]| contact.push(0, &at(y), true).unwrap().gradient.as_slice().to_vec();
+            assert!(
+                gradient_error(&x, 0.05, push.gradient.as_slice(), |y| contact.energy(0, &at(y)))
+                    < 1e-7
+            );
+            let slope =
+                |y: &[f64]| contact.push(0, &at(y), true).unwrap().gradient.as_slice().to_vec();
             assert!(hessian_error(&x, 0.05, push.hessian.as_slice(), slope) < 1e-6);
         }
         assert!(contact.push(0, &Vec3::new(0.0, 3.0, 1.0), true).is_none());

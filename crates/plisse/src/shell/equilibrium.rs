@@ -1,4 +1,5 @@
-//! The energy of a shell in its free coordinates, for [`crate::linalg::newton`]: membrane, bending, loads and contact.
+//! The energy of a shell in its free coordinates, for [`crate::linalg::newton`]: membrane, bending,
+//! loads and contact.
 
 use std::ops::Range;
 
@@ -28,7 +29,8 @@ pub(super) enum Bending {
     MidEdge(MidEdgeBending),
 }
 
-/// The energy in the free coordinates, which come vertex by vertex, in units of the sheet's length and Y·h·length².
+/// The energy in the free coordinates, which come vertex by vertex, in units of the sheet's length
+/// and Y·h·length².
 pub(super) struct Equilibrium<'a> {
     setup: &'a Setup<'a>,
     membranes: Vec<Membrane>,
@@ -107,14 +109,21 @@ impl Elements {
         }
     }
 
-    fn add_hessian<const N: usize>(&self, n: usize, element: &SMatrix<f64, N, N>, scale: f64, values: &mut [f64]) {
+    fn add_hessian<const N: usize>(
+        &self,
+        n: usize,
+        element: &SMatrix<f64, N, N>,
+        scale: f64,
+        values: &mut [f64],
+    ) {
         let free = self.of(n);
         let mut slot = self.first_slot[n];
         for (k, &(c, u)) in free.iter().enumerate() {
             for &(d, v) in &free[..=k] {
                 // An unknown that occurs twice couples with itself both ways.
                 let times = if u == v && c != d { 2.0 } else { 1.0 };
-                values[self.slots[slot] as usize] += times * scale * element[(c as usize, d as usize)];
+                values[self.slots[slot] as usize] +=
+                    times * scale * element[(c as usize, d as usize)];
                 slot += 1;
             }
         }
@@ -123,7 +132,13 @@ impl Elements {
 
 impl<'a> Equilibrium<'a> {
     /// The problem of `setup` near `pose` (m), with `held` instead of the setup's clamps.
-    pub(super) fn new(setup: &'a Setup<'a>, held: &Clamps, pose: &[Vec3], compressive_stiffness: f64, bending: Bending) -> Self {
+    pub(super) fn new(
+        setup: &'a Setup<'a>,
+        held: &Clamps,
+        pose: &[Vec3],
+        compressive_stiffness: f64,
+        bending: Bending,
+    ) -> Self {
         let topology = setup.topology;
         let mut size = 0;
         let mut number = |target: Option<f64>| {
@@ -137,11 +152,16 @@ impl<'a> Equilibrium<'a> {
         let mut faces = Elements::new(topology.faces.iter().map(|face| face.to_vec()), &unknown);
         let hinge_vertices: Vec<Vec<usize>> = match &bending {
             Bending::Quadratic(_) => Vec::new(),
-            Bending::MidEdge(bending) => (0..topology.face_count()).map(|f| bending.vertices(f).to_vec()).collect(),
+            Bending::MidEdge(bending) => {
+                (0..topology.face_count()).map(|f| bending.vertices(f).to_vec()).collect()
+            }
         };
         let mut hinges = Elements::new(hinge_vertices.into_iter(), &unknown);
-        let lists: Vec<Vec<usize>> =
-            if let Bending::MidEdge(_) = bending { hinges.unknowns().collect() } else { faces.unknowns().collect() };
+        let lists: Vec<Vec<usize>> = if let Bending::MidEdge(_) = bending {
+            hinges.unknowns().collect()
+        } else {
+            faces.unknowns().collect()
+        };
         let pattern = SymmetricPattern::from_elements(size, lists.iter().map(Vec::as_slice));
         faces.find_slots(&pattern);
         hinges.find_slots(&pattern);
@@ -157,7 +177,12 @@ impl<'a> Equilibrium<'a> {
         };
         let mut problem = Self {
             setup,
-            membranes: setup.rest.faces.iter().map(|r| Membrane::new(r, setup.material, compressive_stiffness)).collect(),
+            membranes: setup
+                .rest
+                .faces
+                .iter()
+                .map(|r| Membrane::new(r, setup.material, compressive_stiffness))
+                .collect(),
             dead_newton: setup.dead_forces_newton(),
             barrier: Barrier::new(setup),
             unknown,
@@ -192,7 +217,8 @@ impl<'a> Equilibrium<'a> {
                         let value = scale * a * b;
                         match self.pattern.find(i, j) {
                             Some(slot) => self.bending_values[slot] += value,
-                            // Left out; the diagonal makes up for it, so that the matrix bounds the Hessian from above.
+                            // Left out; the diagonal makes up for it, so that the matrix bounds the
+                            // Hessian from above.
                             None => {
                                 self.bending_values[self.pattern.slot(i, i)] += value.abs();
                                 self.bending_values[self.pattern.slot(j, j)] += value.abs();
@@ -245,12 +271,14 @@ impl<'a> Equilibrium<'a> {
     }
 
     fn face_energy(&self, f: usize) -> f64 {
-        let mut energy = self.membranes[f].energy(&self.setup.topology.faces[f].map(|v| self.pose[v]));
+        let mut energy =
+            self.membranes[f].energy(&self.setup.topology.faces[f].map(|v| self.pose[v]));
         if let Bending::MidEdge(bending) = &self.bending {
             energy += bending.energy(f, &self.pose);
         }
         if self.setup.loads.pressure_pa != 0.0 {
-            energy -= self.setup.loads.pressure_pa * pressure::signed_volume(&self.corners_about(f));
+            energy -=
+                self.setup.loads.pressure_pa * pressure::signed_volume(&self.corners_about(f));
         }
         energy
     }
@@ -259,7 +287,8 @@ impl<'a> Equilibrium<'a> {
     fn vertex_energy(&self, v: usize) -> f64 {
         let mut energy = -self.dead_newton[v].dot(&(self.pose[v] - self.origin[v]));
         if let Bending::Quadratic(bending) = &self.bending {
-            energy += bending.rows[v].iter().map(|&(u, c)| self.pose[u] * c).sum::<Vec3>().norm_squared();
+            energy +=
+                bending.rows[v].iter().map(|&(u, c)| self.pose[u] * c).sum::<Vec3>().norm_squared();
         }
         if let Some(barrier) = &self.barrier {
             energy += barrier.energy(v, &self.pose[v]);
@@ -288,7 +317,9 @@ impl<'a> Equilibrium<'a> {
     fn element_hessians(&self, batch: &Range<usize>, convexity: Convexity, buffer: &mut Buffer) {
         let pressure_pa = self.setup.loads.pressure_pa;
         buffer.faces.par_iter_mut().with_min_len(CHUNK).zip(batch.clone()).for_each(|(out, f)| {
-            *out = self.membranes[f].derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), convexity).2;
+            *out = self.membranes[f]
+                .derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), convexity)
+                .2;
             // The volume's Hessian is indefinite: it has no place in a convex one.
             if pressure_pa != 0.0 && convexity == Convexity::Exact {
                 *out -= pressure::hessian(&self.corners_about(f)) * pressure_pa;
@@ -296,7 +327,9 @@ impl<'a> Equilibrium<'a> {
         });
         if let Bending::MidEdge(bending) = &self.bending {
             let hinges = buffer.hinges.par_iter_mut().with_min_len(CHUNK);
-            hinges.zip(batch.clone()).for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, convexity).2);
+            hinges
+                .zip(batch.clone())
+                .for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, convexity).2);
         }
     }
 
@@ -311,7 +344,9 @@ impl<'a> Equilibrium<'a> {
         };
         for v in 0..self.pose.len() {
             add(v, -self.dead_newton[v]);
-            if let Some(push) = self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false)) {
+            if let Some(push) =
+                self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false))
+            {
                 add(v, push.gradient);
             }
         }
@@ -351,7 +386,8 @@ impl Problem for Equilibrium<'_> {
                 .into_par_iter()
                 .with_min_len(CHUNK)
                 .map(|f| {
-                    let mut slope = self.membranes[f].gradient(&self.setup.topology.faces[f].map(|v| self.pose[v]));
+                    let mut slope = self.membranes[f]
+                        .gradient(&self.setup.topology.faces[f].map(|v| self.pose[v]));
                     if pressure_pa != 0.0 {
                         slope -= pressure::gradient(&self.corners_about(f)) * pressure_pa;
                     }
@@ -362,7 +398,12 @@ impl Problem for Equilibrium<'_> {
                 self.faces.add_gradient(f, slope.as_slice(), scale, gradient);
             }
             if let Bending::MidEdge(bending) = &self.bending {
-                let slopes: Vec<_> = batch.clone().into_par_iter().with_min_len(CHUNK).map(|f| bending.gradient(f, &self.pose)).collect();
+                let slopes: Vec<_> = batch
+                    .clone()
+                    .into_par_iter()
+                    .with_min_len(CHUNK)
+                    .map(|f| bending.gradient(f, &self.pose))
+                    .collect();
                 for (f, slope) in batch.zip(&slopes) {
                     self.hinges.add_gradient(f, slope.as_slice(), scale, gradient);
                 }
@@ -372,14 +413,17 @@ impl Problem for Equilibrium<'_> {
         self.energy_here()
     }
 
-    /// Quadratic bending reaches over two rings of vertices, the pattern over one: a third of the couplings, and far less fill.
+    /// Quadratic bending reaches over two rings of vertices, the pattern over one: a third of the
+    /// couplings, and far less fill.
     fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
         let Bending::Quadratic(bending) = &self.bending else { return false };
         self.pattern.add_multiple(-1.0, &self.bending_values, x, out);
         let scale = 2.0 * self.length_m * self.length_m / self.unit_joule;
         for row in &bending.rows {
             for axis in 0..3 {
-                let free = || row.iter().map(|&(v, c)| (self.unknown[v][axis], c)).filter(|&(u, _)| u != NONE);
+                let free = || {
+                    row.iter().map(|&(v, c)| (self.unknown[v][axis], c)).filter(|&(u, _)| u != NONE)
+                };
                 let sum: f64 = free().map(|(u, c)| c * x[u]).sum();
                 for (u, c) in free() {
                     out[u] += scale * c * sum;
@@ -430,7 +474,9 @@ impl Problem for Equilibrium<'_> {
         self.buffers = [here, ahead];
         let Some(barrier) = &self.barrier else { return };
         for v in 0..self.pose.len() {
-            let Some(push) = barrier.push(v, &self.pose[v], convexity == Convexity::Exact) else { continue };
+            let Some(push) = barrier.push(v, &self.pose[v], convexity == Convexity::Exact) else {
+                continue;
+            };
             for i in 0..3 {
                 for j in 0..=i {
                     let (a, b) = (self.unknown[v][i], self.unknown[v][j]);
@@ -457,11 +503,24 @@ mod tests {
     /// A tetrahedron, where the neighbours of a face share their far corner, and an octahedron.
     fn closed_surfaces() -> [(Vec<Vec3>, Vec<[usize; 3]>); 2] {
         let [x, y, z] = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let around = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-        [(vec![Vec3::zeros(), x, y, z], vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]), (vec![x, y, z, -x, -y, -z], around.to_vec())]
+        let around = [
+            [0, 1, 2],
+            [1, 3, 2],
+            [3, 4, 2],
+            [4, 0, 2],
+            [1, 0, 5],
+            [3, 1, 5],
+            [4, 3, 5],
+            [0, 4, 5],
+        ];
+        [
+            (vec![Vec3::zeros(), x, y, z], vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]),
+            (vec![x, y, z, -x, -y, -z], around.to_vec()),
+        ]
     }
 
-    /// Everything at once: gravity, a point force, pressure, two obstacles in touch with a vertex, and clamps on some axes.
+    /// Everything at once: gravity, a point force, pressure, two obstacles in touch with a vertex,
+    /// and clamps on some axes.
     #[test]
     fn derivatives_of_everything_together_agree_with_differences() {
         for (shape, faces) in closed_surfaces() {
@@ -471,14 +530,18 @@ mod tests {
             let material = Material::new(50.0, 0.3, 0.3).unwrap();
             let mut random = Random(7);
             let mut number = || 2.0 * random.unit() - 1.0;
-            let pose: Vec<Vec3> = shape.iter().map(|p| 1.05 * p + 0.15 * Vec3::new(number(), number(), number())).collect();
+            let pose: Vec<Vec3> = shape
+                .iter()
+                .map(|p| 1.05 * p + 0.15 * Vec3::new(number(), number(), number()))
+                .collect();
             let mut clamps = Clamps::none(pose.len());
             clamps.targets[0] = [Some(pose[0].x), None, Some(pose[0].z)];
             clamps.targets[3] = [None, Some(pose[3].y), None];
             let out = (pose[2] - pose.iter().sum::<Vec3>() / pose.len() as f64).normalize();
             let beside = (out + Vec3::new(0.3, 0.0, -0.2)).normalize();
             let obstacles = [
-                Obstacle::plane("beyond", pose[2] + 0.2 * out, Vec3::new(0.1, 0.2, 0.0) - out).unwrap(),
+                Obstacle::plane("beyond", pose[2] + 0.2 * out, Vec3::new(0.1, 0.2, 0.0) - out)
+                    .unwrap(),
                 Obstacle::sphere("beside", pose[2] + 0.8 * beside, 0.5).unwrap(),
             ];
             let setup = Setup {
@@ -492,7 +555,10 @@ mod tests {
                 contact_thickness_m: 0.5,
                 ..Setup::new(&topology, &rest, &material, &clamps)
             };
-            assert!(obstacles.iter().all(|o| (0.0..0.5).contains(&o.distance_m(&pose[2]))), "both touch vertex 2");
+            assert!(
+                obstacles.iter().all(|o| (0.0..0.5).contains(&o.distance_m(&pose[2]))),
+                "both touch vertex 2"
+            );
             for (stiffness, bending) in [
                 (0.1, Bending::Quadratic(QuadraticBending::new(&topology, &rest, &material))),
                 (1.0, Bending::MidEdge(MidEdgeBending::new(&topology, &rest, &material))),

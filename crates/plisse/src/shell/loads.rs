@@ -1,4 +1,5 @@
-//! What pushes a shell from outside: its weight, the pressure inside it, and forces on some of its vertices.
+//! What pushes a shell from outside: its weight, the pressure inside it, and forces on some of its
+//! vertices.
 
 use crate::mesh::Vec3;
 

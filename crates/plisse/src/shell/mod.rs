@@ -1,5 +1,6 @@
-//! Shells on a coarse mesh: the base surface, free of wrinkles, by tension field theory (4.1 and appendix B of [Chen 2021]), and the
-//! reference shell, which resolves its wrinkles if the mesh does (appendix A).
+//! Shells on a coarse mesh: the base surface, free of wrinkles, by tension field theory (4.1 and
+//! appendix B of [Chen 2021]), and the reference shell, which resolves its wrinkles if the mesh
+//! does (appendix A).
 //!
 //! [`setup`] says what is held, pushed ([`loads`], [`pressure`]) and in the way (contact); [`tension_field`] is the membrane of a face;
 //! [`quadratic_bending`] and [`mid_edge_bending`] resist bending; [`base`] and [`reference`](mod@reference) are the solves.

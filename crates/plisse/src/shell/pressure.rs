@@ -1,12 +1,15 @@
-//! Pressure inside a closed surface (Skouras et al. 2014): the energy −p·V, V being the volume enclosed.
+//! Pressure inside a closed surface (Skouras et al. 2014): the energy −p·V, V being the volume
+//! enclosed.
 //!
-//! V is the sum over faces of x₀·(x₁ × x₂)/6, which for a closed surface does not depend on the origin. The Hessian of a face
-//! does, and only the sum over all faces has a meaning; it is indefinite.
+//! V is the sum over faces of x₀·(x₁ × x₂)/6, which for a closed surface does not depend on the
+//! origin. The Hessian of a face does, and only the sum over all faces has a meaning; it is
+//! indefinite.
 
 use super::tension_field::{FaceGradient, FaceHessian};
 use crate::mesh::{Mat3, Topology, Vec3};
 
-/// Volume (m³) that the closed surface encloses; positive if faces run counter-clockwise seen from outside.
+/// Volume (m³) that the closed surface encloses; positive if faces run counter-clockwise seen from
+/// outside.
 pub fn volume_m3(topology: &Topology, pose: &[Vec3]) -> f64 {
     let origin = pose[0];
     topology.faces.iter().map(|face| signed_volume(&face.map(|v| pose[v] - origin))).sum()
@@ -46,9 +49,17 @@ mod tests {
     #[test]
     fn derivatives_agree_with_differences() {
         let x = [0.3, -0.2, 0.9, 1.1, 0.4, -0.3, -0.6, 0.8, 0.5];
-        let at = |y: &[f64]| std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]));
-        assert!(gradient_error(&x, 1.0, gradient(&at(&x)).as_slice(), |y| signed_volume(&at(y))) < 1e-8);
-        assert!(hessian_error(&x, 1.0, hessian(&at(&x)).as_slice(), |y| gradient(&at(y)).as_slice().to_vec()) < 1e-8);
+        let at =
+            |y: &[f64]| std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]));
+        assert!(
+            gradient_error(&x, 1.0, gradient(&at(&x)).as_slice(), |y| signed_volume(&at(y))) < 1e-8
+        );
+        assert!(
+            hessian_error(&x, 1.0, hessian(&at(&x)).as_slice(), |y| gradient(&at(y))
+                .as_slice()
+                .to_vec())
+                < 1e-8
+        );
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! The reference shell: St. Venant–Kirchhoff membrane and mid-edge bending by full Newton (appendix A and section 6 of [Chen 2021]).
-//! It shows wrinkles only where the mesh is fine enough for them; the wrinkle field is held against it.
+//! The reference shell: St. Venant–Kirchhoff membrane and mid-edge bending by full Newton (appendix
+//! A and section 6 of [Chen 2021]). It shows wrinkles only where the mesh is fine enough for them;
+//! the wrinkle field is held against it.
 
 use web_time::Instant;
 
@@ -19,9 +20,11 @@ use crate::progress::Observer;
 pub struct ReferenceOptions {
     /// Newton iterations at most.
     pub iteration_limit: usize,
-    /// Largest gradient component at which the solve ends, in units of Young's modulus · thickness · size.
+    /// Largest gradient component at which the solve ends, in units of Young's modulus · thickness
+    /// · size.
     pub tolerance: f64,
-    /// Each free vertex starts up to this far (m) off its place along the normal, so that a flat surface can buckle at all.
+    /// Each free vertex starts up to this far (m) off its place along the normal, so that a flat
+    /// surface can buckle at all.
     pub imperfection_m: f64,
     /// Chooses the imperfection.
     pub seed: u64,
@@ -56,15 +59,15 @@ pub struct ReferenceReport {
 }
 
 impl ReferenceReport {
-    /// Whether it ended where no step lowers the energy although forces are far from balanced: the energy has a jump where a face
-    /// loses its area.
+    /// Whether it ended where no step lowers the energy although forces are far from balanced: the
+    /// energy has a jump where a face loses its area.
     pub fn is_stuck(&self) -> bool {
         self.ending == Ending::RoundOff && self.residual > STUCK
     }
 }
 
-/// The equilibrium (`[V]`, m) of the reference shell of `setup`, from the pose `start` (`[V]`, m) on: best the base surface on the
-/// same mesh (appendix F.4).
+/// The equilibrium (`[V]`, m) of the reference shell of `setup`, from the pose `start` (`[V]`, m)
+/// on: best the base surface on the same mesh (appendix F.4).
 ///
 /// # Errors
 /// As [`super::solve_base`].
@@ -79,7 +82,12 @@ pub fn solve_reference(
     let disturbed = disturb(setup, start, options);
     let (begin, resolved_faces) = prepare(setup, &disturbed)?;
     let bending = Bending::MidEdge(MidEdgeBending::new(setup.topology, setup.rest, setup.material));
-    let effort = Effort { stage: "shell", iteration_limit: options.iteration_limit, tolerance: options.tolerance, leave_saddles: true };
+    let effort = Effort {
+        stage: "shell",
+        iteration_limit: options.iteration_limit,
+        tolerance: options.tolerance,
+        leave_saddles: true,
+    };
     let settled = settle(setup, &begin, 1.0, bending, &effort, observer)?;
     let report = ReferenceReport {
         iterations: settled.iterations,
@@ -104,7 +112,8 @@ fn disturb(setup: &Setup<'_>, start: &[Vec3], options: &ReferenceOptions) -> Vec
     }
     let mut random = Random(options.seed);
     let move_by = |(p, normal): (&Vec3, &Vec3)| {
-        p + normal.try_normalize(0.0).unwrap_or_default() * (options.imperfection_m * (2.0 * random.unit() - 1.0))
+        p + normal.try_normalize(0.0).unwrap_or_default()
+            * (options.imperfection_m * (2.0 * random.unit() - 1.0))
     };
     start.iter().zip(&normals).map(move_by).collect()
 }

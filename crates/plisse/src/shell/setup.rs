@@ -48,13 +48,19 @@ pub struct Setup<'a> {
     pub obstacles: &'a [Obstacle],
     /// Distance (m) from an obstacle within which it pushes back; > 0.
     pub contact_thickness_m: f64,
-    /// Pressure (Pa), beyond that of the loads, with which the sheet may be driven against obstacles.
+    /// Pressure (Pa), beyond that of the loads, with which the sheet may be driven against
+    /// obstacles.
     pub contact_pressure_pa: f64,
 }
 
 impl<'a> Setup<'a> {
     /// A sheet that is only held: no loads, no obstacles.
-    pub fn new(topology: &'a Topology, rest: &'a RestMetric, material: &'a Material, clamps: &'a Clamps) -> Self {
+    pub fn new(
+        topology: &'a Topology,
+        rest: &'a RestMetric,
+        material: &'a Material,
+        clamps: &'a Clamps,
+    ) -> Self {
         Self {
             topology,
             rest,
@@ -85,8 +91,10 @@ impl<'a> Setup<'a> {
 
     /// `[V]` forces (N) that do not depend on the pose: weight and point forces.
     pub fn dead_forces_newton(&self) -> Vec<Vec3> {
-        let weight = self.loads.gravity_m_s2 * (self.loads.density_kg_m3 * self.material.thickness_m);
-        let mut forces: Vec<Vec3> = self.vertex_area_m2().into_iter().map(|area| weight * area).collect();
+        let weight =
+            self.loads.gravity_m_s2 * (self.loads.density_kg_m3 * self.material.thickness_m);
+        let mut forces: Vec<Vec3> =
+            self.vertex_area_m2().into_iter().map(|area| weight * area).collect();
         for &(v, force) in &self.loads.forces_newton {
             forces[v] += force;
         }
@@ -107,19 +115,26 @@ impl<'a> Setup<'a> {
     pub(super) fn check(&self) -> Result<()> {
         self.material.check_thin(self.rest.area_m2())?;
         if self.loads.pressure_pa != 0.0
-            && let Some(edge) = self.topology.edge_faces.iter().position(|faces| faces[1] == crate::mesh::NONE)
+            && let Some(edge) =
+                self.topology.edge_faces.iter().position(|faces| faces[1] == crate::mesh::NONE)
         {
             let [i, j] = self.topology.edges[edge];
-            let message = format!("the surface is open between vertices {i} and {j}; close it, or remove the pressure");
+            let message = format!(
+                "the surface is open between vertices {i} and {j}; close it, or remove the pressure"
+            );
             return Err(Error::value("pressure", message));
         }
         let net: Vec3 = self.dead_forces_newton().iter().sum();
-        let idle = self.loads.pressure_pa == 0.0 && self.dead_forces_newton().iter().all(|f| *f == Vec3::zeros());
+        let idle = self.loads.pressure_pa == 0.0
+            && self.dead_forces_newton().iter().all(|f| *f == Vec3::zeros());
         for axis in 0..3 {
             let pushed = net[axis] != 0.0 && self.obstacles.is_empty();
             if self.clamps.targets.iter().all(|t| t[axis].is_none()) && (idle || pushed) {
                 let name = ["x", "y", "z"][axis];
-                let message = format!("nothing holds the surface along {name}; clamp at least one vertex in that direction");
+                let message = format!(
+                    "nothing holds the surface along {name}; clamp at least one vertex in that \
+                     direction"
+                );
                 return Err(Error::value("clamps", message));
             }
         }

@@ -1,5 +1,5 @@
-//! Where a solve starts: the given pose, brought to the clamps, blown up a little if pressure acts on a flat one, and freed from
-//! obstacles.
+//! Where a solve starts: the given pose, brought to the clamps, blown up a little if pressure acts
+//! on a flat one, and freed from obstacles.
 
 use super::pressure::volume_m3;
 use super::setup::{Clamps, Setup};
@@ -43,7 +43,8 @@ fn meet_clamps(topology: &Topology, start: &[Vec3], clamps: &Clamps) -> Result<V
     let mut pose = start.to_vec();
     for axis in 0..3 {
         let fixed: Vec<bool> = clamps.targets.iter().map(|t| t[axis].is_some()).collect();
-        let mut moved: Vec<f64> = (0..n).map(|v| clamps.targets[v][axis].map_or(0.0, |t| t - start[v][axis])).collect();
+        let mut moved: Vec<f64> =
+            (0..n).map(|v| clamps.targets[v][axis].map_or(0.0, |t| t - start[v][axis])).collect();
         if moved.iter().all(|&d| d == 0.0) {
             continue;
         }
@@ -72,7 +73,10 @@ fn meet_clamps(topology: &Topology, start: &[Vec3], clamps: &Clamps) -> Result<V
 }
 
 fn graph_laplacian(topology: &Topology) -> Result<(Cholesky, Vec<f64>)> {
-    let pattern = SymmetricPattern::from_elements(topology.vertex_count, topology.edges.iter().map(|e| &e[..]));
+    let pattern = SymmetricPattern::from_elements(
+        topology.vertex_count,
+        topology.edges.iter().map(|e| &e[..]),
+    );
     let mut laplacian = vec![0.0; pattern.entry_count()];
     for &[i, j] in &topology.edges {
         laplacian[pattern.slot(i, i)] += 1.0;
@@ -82,8 +86,8 @@ fn graph_laplacian(topology: &Topology) -> Result<(Cholesky, Vec<f64>)> {
     Ok((Cholesky::new(pattern)?, laplacian))
 }
 
-/// Blows up a surface of flat layers: every vertex moves along its normal by about the height of a flat dome over its panel.
-/// Where layers meet (seams), normals cancel; nothing moves there.
+/// Blows up a surface of flat layers: every vertex moves along its normal by about the height of a
+/// flat dome over its panel. Where layers meet (seams), normals cancel; nothing moves there.
 fn bulge(topology: &Topology, pose: &mut [Vec3]) -> Result<()> {
     let (mut normals, mut areas) = (vec![Vec3::zeros(); pose.len()], vec![0.0; pose.len()]);
     for face in &topology.faces {
@@ -100,43 +104,62 @@ fn bulge(topology: &Topology, pose: &mut [Vec3]) -> Result<()> {
     if !cholesky.factorise(&values) {
         return Ok(());
     }
-    // On a regular mesh with edges e, the solution of (graph Laplacian) u = 1 is u = (R² − r²)/(6e²) over a disk.
+    // On a regular mesh with edges e, the solution of (graph Laplacian) u = 1 is u = (R² −
+    // r²)/(6e²) over a disk.
     let mut height: Vec<f64> = fixed.iter().map(|&f| if f { 0.0 } else { 1.0 }).collect();
     cholesky.solve(&mut height);
-    let edge = topology.edges.iter().map(|&[i, j]| (pose[i] - pose[j]).norm()).sum::<f64>() / topology.edge_count() as f64;
+    let edge = topology.edges.iter().map(|&[i, j]| (pose[i] - pose[j]).norm()).sum::<f64>()
+        / topology.edge_count() as f64;
     for v in 0..pose.len() {
         if !fixed[v] {
-            pose[v] += normals[v].normalize() * (ROUNDNESS * edge * (6.0 * height[v].max(0.0)).sqrt());
+            pose[v] +=
+                normals[v].normalize() * (ROUNDNESS * edge * (6.0 * height[v].max(0.0)).sqrt());
         }
     }
     Ok(())
 }
 
-/// Brings free vertices out of obstacles, to half the contact thickness; tells which faces that were.
+/// Brings free vertices out of obstacles, to half the contact thickness; tells which faces that
+/// were.
 fn push_out(setup: &Setup<'_>, pose: &mut [Vec3]) -> Result<Vec<usize>> {
     let topology = setup.topology;
     let clear = CLEAR * setup.contact_thickness_m;
     let edge = (2.0 * setup.rest.area_m2() / topology.edge_count() as f64).sqrt();
-    let faces_of = |v: usize| -> Vec<usize> { (0..topology.face_count()).filter(|&f| topology.faces[f].contains(&v)).collect() };
+    let faces_of = |v: usize| -> Vec<usize> {
+        (0..topology.face_count()).filter(|&f| topology.faces[f].contains(&v)).collect()
+    };
     let mut inside = vec![false; pose.len()];
     for v in 0..pose.len() {
         let free = setup.clamps.targets[v].map(|t| t.is_none());
         for round in 0..=ROUNDS {
-            let nearest = setup.obstacles.iter().filter_map(|o| Some((o, o.nearby(&pose[v], 0.2 * clear)?)));
-            let Some((obstacle, near)) = nearest.min_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m)) else { break };
+            let nearest =
+                setup.obstacles.iter().filter_map(|o| Some((o, o.nearby(&pose[v], 0.2 * clear)?)));
+            let Some((obstacle, near)) =
+                nearest.min_by(|a, b| a.1.distance_m.total_cmp(&b.1.distance_m))
+            else {
+                break;
+            };
             inside[v] |= near.distance_m <= 0.0;
             // Only free coordinates can give way.
             let way = Vec3::from_fn(|axis, _| if free[axis] { near.gradient[axis] } else { 0.0 });
             if round == 0 && near.distance_m > 0.0 && way.norm_squared() < 0.25 {
                 break;
             }
-            if way.norm_squared() < 0.25 || round == ROUNDS || near.distance_m < -edge.max(2.0 * clear) {
+            if way.norm_squared() < 0.25
+                || round == ROUNDS
+                || near.distance_m < -edge.max(2.0 * clear)
+            {
                 let faces = faces_of(v);
-                let what = if way.norm_squared() < 0.25 { "held there by a clamp" } else { "too deep inside to be pushed out" };
+                let what = if way.norm_squared() < 0.25 {
+                    "held there by a clamp"
+                } else {
+                    "too deep inside to be pushed out"
+                };
                 return Err(Error::mesh(
                     "start pose",
                     format!(
-                        "faces {} are {:.3e} m inside obstacle \"{}\" at vertex {v}, {what}; move the surface or the obstacle so that they do not meet",
+                        "faces {} are {:.3e} m inside obstacle \"{}\" at vertex {v}, {what}; move \
+                         the surface or the obstacle so that they do not meet",
                         list(&faces),
                         -near.distance_m,
                         obstacle.name
@@ -146,26 +169,37 @@ fn push_out(setup: &Setup<'_>, pose: &mut [Vec3]) -> Result<Vec<usize>> {
             pose[v] += way * ((clear - near.distance_m) / way.norm_squared());
         }
     }
-    Ok((0..topology.face_count()).filter(|&f| topology.faces[f].iter().any(|&v| inside[v])).collect())
+    Ok((0..topology.face_count())
+        .filter(|&f| topology.faces[f].iter().any(|&v| inside[v]))
+        .collect())
 }
 
-/// Keeps vertices from passing through obstacles on their straight way from `start` to `pose`: free ones stop before them.
+/// Keeps vertices from passing through obstacles on their straight way from `start` to `pose`: free
+/// ones stop before them.
 fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<()> {
     let clear = CLEAR * setup.contact_thickness_m;
     for v in 0..pose.len() {
         let targets = setup.clamps.targets[v];
         for obstacle in setup.obstacles {
-            let Some(part) = part_before(obstacle, &start[v], &(pose[v] - start[v]), clear) else { continue };
+            let Some(part) = part_before(obstacle, &start[v], &(pose[v] - start[v]), clear) else {
+                continue;
+            };
             pose[v] = start[v] + (pose[v] - start[v]) * part;
             for axis in 0..3 {
                 pose[v][axis] = targets[axis].unwrap_or(pose[v][axis]);
             }
             let held = targets.iter().any(Option::is_some);
             // Those that end inside are refused, or pushed out, afterwards.
-            if held && obstacle.distance_m(&pose[v]) > 0.0 && part_before(obstacle, &start[v], &(pose[v] - start[v]), clear).is_some() {
-                let faces: Vec<usize> = (0..setup.topology.face_count()).filter(|&f| setup.topology.faces[f].contains(&v)).collect();
+            if held
+                && obstacle.distance_m(&pose[v]) > 0.0
+                && part_before(obstacle, &start[v], &(pose[v] - start[v]), clear).is_some()
+            {
+                let faces: Vec<usize> = (0..setup.topology.face_count())
+                    .filter(|&f| setup.topology.faces[f].contains(&v))
+                    .collect();
                 let message = format!(
-                    "a clamp takes vertex {v} of faces {} through obstacle \"{}\"; start from a pose on the clamp's side of it",
+                    "a clamp takes vertex {v} of faces {} through obstacle \"{}\"; start from a \
+                     pose on the clamp's side of it",
                     list(&faces),
                     obstacle.name
                 );
@@ -176,8 +210,9 @@ fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<
     Ok(())
 }
 
-/// Where a point that moves from `p` outside `obstacle` by `by` (m) is about to enter it: the part of the way on which it keeps
-/// `clear` (m) of it, or as much as it has. `None` if it does not enter, or starts inside.
+/// Where a point that moves from `p` outside `obstacle` by `by` (m) is about to enter it: the part
+/// of the way on which it keeps `clear` (m) of it, or as much as it has. `None` if it does not
+/// enter, or starts inside.
 fn part_before(obstacle: &Obstacle, p: &Vec3, by: &Vec3, clear: f64) -> Option<f64> {
     let (length, least) = (by.norm(), 1e-2 * clear);
     let mut last = obstacle.distance_m(p);
@@ -208,8 +243,8 @@ fn list(faces: &[usize]) -> String {
     format!("{}{more}", shown.join(", "))
 }
 
-/// The part of a start pose that rigid motions leave free, held so that only the shape is solved for: one vertex whole, one in two
-/// coordinates, one in one.
+/// The part of a start pose that rigid motions leave free, held so that only the shape is solved
+/// for: one vertex whole, one in two coordinates, one in one.
 pub(super) fn pin_rigid_motions(topology: &Topology, pose: &[Vec3], clamps: &mut Clamps) {
     let mut part: Vec<usize> = (0..pose.len()).collect();
     // Lowest vertex of each connected part, by relaxation over the edges.
@@ -225,7 +260,10 @@ pub(super) fn pin_rigid_motions(topology: &Topology, pose: &[Vec3], clamps: &mut
         }
     }
     let farthest = |a: usize, score: &dyn Fn(usize) -> f64| {
-        (0..pose.len()).filter(|&v| part[v] == a).max_by(|&u, &v| score(u).total_cmp(&score(v))).unwrap_or(a)
+        (0..pose.len())
+            .filter(|&v| part[v] == a)
+            .max_by(|&u, &v| score(u).total_cmp(&score(v)))
+            .unwrap_or(a)
     };
     for a in (0..pose.len()).filter(|&v| part[v] == v) {
         clamps.hold(a, pose[a]);

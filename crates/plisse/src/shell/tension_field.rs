@@ -1,9 +1,10 @@
-//! Membrane energy of one face that resists tension but not compression: the relaxed St. Venant–Kirchhoff energy of
-//! appendix B of [Chen 2021].
+//! Membrane energy of one face that resists tension but not compression: the relaxed St.
+//! Venant–Kirchhoff energy of appendix B of [Chen 2021].
 //!
-//! With the principal strains λ₁ ≥ λ₂ of Ê = FᵀF − I the density is 0 where both are negative (slack), the energy of uniaxial
-//! stress Y/2·λ₁² where λ₂ < −νλ₁ (it would wrinkle), and the St. Venant–Kirchhoff one elsewhere (taut). It is convex in F, so
-//! its Hessian needs no repair. Times h/4 and the rest area it is an energy in joules.
+//! With the principal strains λ₁ ≥ λ₂ of Ê = FᵀF − I the density is 0 where both are negative
+//! (slack), the energy of uniaxial stress Y/2·λ₁² where λ₂ < −νλ₁ (it would wrinkle), and the St.
+//! Venant–Kirchhoff one elsewhere (taut). It is convex in F, so its Hessian needs no repair. Times
+//! h/4 and the rest area it is an energy in joules.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -43,9 +44,9 @@ pub enum FaceState {
 }
 
 impl Membrane {
-    /// The membrane of a face with this rest metric. `compressive_stiffness` (no unit, 0 to 1) is the share of the ordinary
-    /// St. Venant–Kirchhoff resistance that is left against compression: 0 is tension field theory, a little (1e-3) keeps
-    /// triangles from collapsing.
+    /// The membrane of a face with this rest metric. `compressive_stiffness` (no unit, 0 to 1) is
+    /// the share of the ordinary St. Venant–Kirchhoff resistance that is left against compression:
+    /// 0 is tension field theory, a little (1e-3) keeps triangles from collapsing.
     pub fn new(rest: &RestFace, material: &Material, compressive_stiffness: f64) -> Self {
         Self {
             gradients: rest.barycentric_gradients(),
@@ -76,7 +77,8 @@ impl Membrane {
         let density = match self.state_of(&principal) {
             FaceState::Slack => self.compressive_stiffness * full(&e),
             FaceState::Mixed => {
-                (1.0 - self.compressive_stiffness) * self.young / 2.0 * principal[1].powi(2) + self.compressive_stiffness * full(&e)
+                (1.0 - self.compressive_stiffness) * self.young / 2.0 * principal[1].powi(2)
+                    + self.compressive_stiffness * full(&e)
             }
             FaceState::Taut => full(&e),
         };
@@ -107,9 +109,14 @@ impl Membrane {
         gradient
     }
 
-    /// Energy (J), gradient and Hessian with the corners at `x` (m). The Hessian is positive semidefinite unless there is a
-    /// compressive stiffness and `convexity` is [`Convexity::Exact`]: else the geometric part takes only tension into account.
-    pub fn derivatives(&self, x: &[Vec3; 3], convexity: Convexity) -> (f64, FaceGradient, FaceHessian) {
+    /// Energy (J), gradient and Hessian with the corners at `x` (m). The Hessian is positive
+    /// semidefinite unless there is a compressive stiffness and `convexity` is
+    /// [`Convexity::Exact`]: else the geometric part takes only tension into account.
+    pub fn derivatives(
+        &self,
+        x: &[Vec3; 3],
+        convexity: Convexity,
+    ) -> (f64, FaceGradient, FaceHessian) {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
         let s = self.compressive_stiffness;
@@ -119,7 +126,8 @@ impl Membrane {
         }
         let (principal, low) = principal_pair(&e);
         let state = self.state_of(&principal);
-        let (mut energy, mut gradient, mut hessian) = (0.0, FaceGradient::zeros(), FaceHessian::zeros());
+        let (mut energy, mut gradient, mut hessian) =
+            (0.0, FaceGradient::zeros(), FaceHessian::zeros());
         if state == FaceState::Mixed {
             let (w, g, h) = self.uniaxial(&f, &principal, low);
             energy += (1.0 - s) * w;
@@ -152,7 +160,12 @@ impl Membrane {
     }
 
     /// Y/2·λ₁² with λ₁ = |Fw₁|² − 1.
-    fn uniaxial(&self, f: &Mat3x2, principal: &[f64; 2], low: Vec2) -> (f64, FaceGradient, FaceHessian) {
+    fn uniaxial(
+        &self,
+        f: &Mat3x2,
+        principal: &[f64; 2],
+        low: Vec2,
+    ) -> (f64, FaceGradient, FaceHessian) {
         let high = Vec2::new(low.y, -low.x);
         let (u, v) = (f * high, f * low);
         let (c, lambda) = (self.young / 2.0, principal[1]);
@@ -180,7 +193,12 @@ impl Membrane {
     }
 
     /// α/2·tr²Ê + β·tr(Ê²).
-    fn ordinary(&self, f: &Mat3x2, e: &Mat2, convexity: Convexity) -> (f64, FaceGradient, FaceHessian) {
+    fn ordinary(
+        &self,
+        f: &Mat3x2,
+        e: &Mat2,
+        convexity: Convexity,
+    ) -> (f64, FaceGradient, FaceHessian) {
         let (alpha, beta) = (self.alpha, self.beta);
         let trace = e.trace();
         let stress = self.stress(e);
@@ -189,11 +207,16 @@ impl Membrane {
         let moved = self.gradients.map(|g| f * g);
         let spread = f * f.transpose();
         for k in 0..3 {
-            gradient.fixed_rows_mut::<3>(3 * k).copy_from(&(f * (stress * self.gradients[k]) * 2.0));
+            gradient
+                .fixed_rows_mut::<3>(3 * k)
+                .copy_from(&(f * (stress * self.gradients[k]) * 2.0));
             for l in 0..3 {
                 let block = moved[k] * moved[l].transpose() * (4.0 * alpha)
-                    + (spread * self.gradients[k].dot(&self.gradients[l]) + moved[l] * moved[k].transpose()) * (4.0 * beta)
-                    + Mat3::identity() * (2.0 * self.gradients[k].dot(&(tension * self.gradients[l])));
+                    + (spread * self.gradients[k].dot(&self.gradients[l])
+                        + moved[l] * moved[k].transpose())
+                        * (4.0 * beta)
+                    + Mat3::identity()
+                        * (2.0 * self.gradients[k].dot(&(tension * self.gradients[l])));
                 hessian.fixed_view_mut::<3, 3>(3 * k, 3 * l).copy_from(&block);
             }
         }
@@ -223,18 +246,28 @@ mod tests {
     use crate::linalg::small::eigen;
 
     fn membrane(stiffness: f64) -> Membrane {
-        let rest = RestFace::from_corners([Vec3::zeros(), Vec3::new(1.0, 0.1, 0.0), Vec3::new(0.3, 0.8, 0.0)]);
+        let rest = RestFace::from_corners([
+            Vec3::zeros(),
+            Vec3::new(1.0, 0.1, 0.0),
+            Vec3::new(0.3, 0.8, 0.0),
+        ]);
         Membrane::new(&rest, &Material::new(2.0, 0.4, 1.0).unwrap(), stiffness)
     }
 
     /// The rest triangle stretched by (1+p, 1+q), then turned in space.
     fn posed(p: f64, q: f64) -> [Vec3; 3] {
         let turn = nalgebra::Rotation3::from_euler_angles(0.4, -0.8, 1.3);
-        [[0.0, 0.0], [1.0, 0.1], [0.3, 0.8]].map(|[x, y]| turn * Vec3::new(x * (1.0 + p) + 0.02 * y, y * (1.0 + q), 0.0) + Vec3::x())
+        [[0.0, 0.0], [1.0, 0.1], [0.3, 0.8]].map(|[x, y]| {
+            turn * Vec3::new(x * (1.0 + p) + 0.02 * y, y * (1.0 + q), 0.0) + Vec3::x()
+        })
     }
 
-    const STATES: [(f64, f64, FaceState); 4] =
-        [(-0.1, -0.2, FaceState::Slack), (0.1, -0.2, FaceState::Mixed), (-0.3, 0.05, FaceState::Mixed), (0.1, 0.07, FaceState::Taut)];
+    const STATES: [(f64, f64, FaceState); 4] = [
+        (-0.1, -0.2, FaceState::Slack),
+        (0.1, -0.2, FaceState::Mixed),
+        (-0.3, 0.05, FaceState::Mixed),
+        (0.1, 0.07, FaceState::Taut),
+    ];
 
     #[test]
     fn derivatives_agree_with_differences_in_every_state() {
@@ -244,7 +277,9 @@ mod tests {
                 let x = posed(p, q);
                 assert_eq!(m.state(&x), state);
                 let flat: Vec<f64> = x.iter().flat_map(|v| v.iter().copied()).collect();
-                let at = |y: &[f64]| std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]));
+                let at = |y: &[f64]| {
+                    std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]))
+                };
                 let (energy, gradient, hessian) = m.derivatives(&x, Convexity::Exact);
                 assert!((energy - m.energy(&x)).abs() <= 1e-14 * energy.abs());
                 assert!((gradient - m.gradient(&x)).norm() <= 1e-14 * gradient.norm());
@@ -253,8 +288,9 @@ mod tests {
                 if energy > 0.0 {
                     let e = gradient_error(&flat, 1.0, gradient.as_slice(), |y| m.energy(&at(y)));
                     assert!(e < 1e-8, "gradient {e:e} {state:?} {stiffness}");
-                    let e =
-                        hessian_error(&flat, 1.0, hessian.as_slice(), |y| m.derivatives(&at(y), Convexity::Exact).1.as_slice().to_vec());
+                    let e = hessian_error(&flat, 1.0, hessian.as_slice(), |y| {
+                        m.derivatives(&at(y), Convexity::Exact).1.as_slice().to_vec()
+                    });
                     assert!(e < 1e-7, "hessian {e:e} {state:?} {stiffness}");
                 }
             }
@@ -279,7 +315,11 @@ mod tests {
             let lambda: f64 = 0.1;
             let rest = RestFace::from_corners([Vec3::zeros(), Vec3::x(), Vec3::y()]);
             let m = Membrane::new(&rest, &Material::new(2.0, 0.4, 1.0).unwrap(), 0.0);
-            m.energy(&[Vec3::zeros(), Vec3::x() * (1.0 + lambda).sqrt(), Vec3::y() * (1.0 - 0.4 * lambda + extra).sqrt()])
+            m.energy(&[
+                Vec3::zeros(),
+                Vec3::x() * (1.0 + lambda).sqrt(),
+                Vec3::y() * (1.0 - 0.4 * lambda + extra).sqrt(),
+            ])
         };
         assert!((border(1e-9) - border(-1e-9)).abs() < 1e-15);
         assert_eq!(m.energy(&posed(-0.1, -0.1)), 0.0);

@@ -2,8 +2,9 @@
 //!
 //! r = r_b + a cos φ n + a²/8 sin 2φ ∇φ + a sin φ v,
 //!
-//! with the base surface's normal n and gradient ∇φ = dr_b I_b⁻¹ dφᵀ. The last two are the in-plane corrections v₂ (bulging,
-//! evenly strained waves) and v₁ (waves on a curved surface; the paper leaves it out when drawing).
+//! with the base surface's normal n and gradient ∇φ = dr_b I_b⁻¹ dφᵀ. The last two are the in-plane
+//! corrections v₂ (bulging, evenly strained waves) and v₁ (waves on a curved surface; the paper
+//! leaves it out when drawing).
 
 use rayon::prelude::*;
 
@@ -18,19 +19,22 @@ use crate::rest::RestFace;
 pub struct Displacement<'a> {
     /// The second in-plane correction, a²/8 sin 2φ ∇φ.
     pub v2: bool,
-    /// The first in-plane correction, if wanted: the second fundamental form (1/m) of each coarse face, and the material.
+    /// The first in-plane correction, if wanted: the second fundamental form (1/m) of each coarse
+    /// face, and the material.
     pub v1: Option<(&'a [Mat3], &'a Material)>,
 }
 
-/// Steepest waves, a·|∇φ| (no unit), for which v₂ is taken in full. Steeper ones, on nearly collapsed faces, would shoot out of the surface;
-/// so v₂ is never longer than half the amplitude.
+/// Steepest waves, a·|∇φ| (no unit), for which v₂ is taken in full. Steeper ones, on nearly
+/// collapsed faces, would shoot out of the surface; so v₂ is never longer than half the amplitude.
 const STEEPEST: f64 = 4.0;
 
 /// `[V]` positions (m) of the wrinkled surface.
 pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
     let topology = &surface.topology;
     // Slow vectors per face, then their mean at vertices, by area.
-    let per_face = || -> Vec<Slow> { (0..topology.face_count()).into_par_iter().map(|f| slow(surface, how, f)).collect() };
+    let per_face = || -> Vec<Slow> {
+        (0..topology.face_count()).into_par_iter().map(|f| slow(surface, how, f)).collect()
+    };
     let (per_face, normals) = rayon::join(per_face, || vertex_normals(topology, &surface.base));
     let mut sum = vec![(Slow::default(), 0.0); topology.vertex_count];
     let mut phase = vec![0.0; topology.vertex_count];
@@ -55,7 +59,8 @@ pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
                 return surface.base[v];
             }
             let (sine, cosine) = phase[v].sin_cos();
-            let mut moved = surface.base[v] + normals[v] * (a * cosine) + slow.v1 * (a * sine / weight);
+            let mut moved =
+                surface.base[v] + normals[v] * (a * cosine) + slow.v1 * (a * sine / weight);
             if how.v2 {
                 let gradient = slow.gradient / *weight;
                 let steep = (a * gradient.norm() / STEEPEST).max(1.0);
@@ -85,7 +90,9 @@ fn slow(surface: &Upsampled, how: &Displacement<'_>, f: usize) -> Slow {
     let [p0, p1, p2] = surface.phase[f];
     let frequency = rest.one_form(p1 - p0, p2 - p0);
     // A collapsed face of the base surface has no gradient.
-    let Some(raise) = (base.transpose() * base).try_inverse().map(|inverse| base * inverse) else { return Slow::default() };
+    let Some(raise) = (base.transpose() * base).try_inverse().map(|inverse| base * inverse) else {
+        return Slow::default();
+    };
     let v1 = match how.v1 {
         Some((forms, material)) => {
             let share = 4_usize.pow(surface.levels as u32);
@@ -94,11 +101,20 @@ fn slow(surface: &Upsampled, how: &Displacement<'_>, f: usize) -> Slow {
         None => Vec3::zeros(),
     };
     let slow = Slow { gradient: raise * frequency, v1, area: rest.area_m2 };
-    if slow.gradient.iter().chain(slow.v1.iter()).all(|x| x.is_finite()) { slow } else { Slow::default() }
+    if slow.gradient.iter().chain(slow.v1.iter()).all(|x| x.is_finite()) {
+        slow
+    } else {
+        Slow::default()
+    }
 }
 
 /// v of eqs. 17 and 18 as a one-form in the orthonormal rest frame.
-fn first_correction(base: &Mat3x2, second_form: &Mat3, frequency: &Vec2, material: &Material) -> Vec2 {
+fn first_correction(
+    base: &Mat3x2,
+    second_form: &Mat3,
+    frequency: &Vec2,
+    material: &Material,
+) -> Vec2 {
     let square = frequency.norm_squared();
     if square == 0.0 {
         return Vec2::zeros();
@@ -107,7 +123,8 @@ fn first_correction(base: &Mat3x2, second_form: &Mat3, frequency: &Vec2, materia
     let (alpha, beta) = (material.alpha(), material.beta());
     let across = Vec2::new(-frequency.y, frequency.x);
     let along = alpha / (alpha + 2.0 * beta) * form.trace() / square
-        + 2.0 * beta / (alpha + 2.0 * beta) * frequency.dot(&(form * frequency)) / (square * square);
+        + 2.0 * beta / (alpha + 2.0 * beta) * frequency.dot(&(form * frequency))
+            / (square * square);
     frequency * along + across * (2.0 * frequency.dot(&(form * across)) / (square * square))
 }
 
@@ -122,12 +139,14 @@ mod tests {
         for squeeze in [0.5, 1e-2, 1e-4] {
             let (a, surface) = (0.01, waves(400, 0.01, 20.0, squeeze));
             let moved = displace(&surface, &Displacement { v2: true, v1: None });
-            let farthest = moved.iter().zip(&surface.base).map(|(p, b)| (p - b).norm()).fold(0.0, f64::max);
+            let farthest =
+                moved.iter().zip(&surface.base).map(|(p, b)| (p - b).norm()).fold(0.0, f64::max);
             assert!(farthest <= 1.12 * a, "{squeeze}: {farthest}");
         }
     }
 
-    /// A flat strip with waves along x, finely resolved, squeezed so that the waves take up the strain.
+    /// A flat strip with waves along x, finely resolved, squeezed so that the waves take up the
+    /// strain.
     fn waves(n: usize, a: f64, frequency: f64, squeeze: f64) -> Upsampled {
         let (mut rest_positions, mut faces, mut phase) = (Vec::new(), Vec::new(), Vec::new());
         for j in 0..3 {
@@ -138,13 +157,17 @@ mod tests {
         for j in 0..2 {
             for i in 0..n {
                 let at = |i: usize, j: usize| j * (n + 1) + i;
-                for face in [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]] {
+                for face in [
+                    [at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                    [at(i, j), at(i + 1, j + 1), at(i, j + 1)],
+                ] {
                     phase.push(face.map(|v| frequency * rest_positions[v].x));
                     faces.push(face);
                 }
             }
         }
-        let base = rest_positions.iter().map(|p: &Vec3| Vec3::new(p.x * squeeze, p.y, 0.0)).collect();
+        let base =
+            rest_positions.iter().map(|p: &Vec3| Vec3::new(p.x * squeeze, p.y, 0.0)).collect();
         let topology = Topology::new("strip", rest_positions.len(), faces.clone()).unwrap();
         Upsampled {
             wrinkle_free: vec![false; faces.len()],
@@ -186,7 +209,8 @@ mod tests {
 
     #[test]
     fn v1_evens_the_strain_of_waves_around_a_cylinder() {
-        // Waves travel around a cylinder of radius r: crests are stretched, valleys pressed, unless material moves to the crests.
+        // Waves travel around a cylinder of radius r: crests are stretched, valleys pressed, unless
+        // material moves to the crests.
         let (n, r) = (4000, 1.0 / TAU);
         let frequency = 20.0 * TAU;
         let mut surface = waves(n, 2e-4, frequency, 1.0);
@@ -205,7 +229,10 @@ mod tests {
             })
             .collect();
         let plain = length(&displace(&surface, &Displacement { v2: true, v1: None }), n);
-        let full = length(&displace(&surface, &Displacement { v2: true, v1: Some((&forms, &material)) }), n);
+        let full = length(
+            &displace(&surface, &Displacement { v2: true, v1: Some((&forms, &material)) }),
+            n,
+        );
         assert!(full.1 < 0.02 * plain.1, "{full:?} {plain:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]): [`mod@upsample`] subdivides both as often as [`levels`] says,
+//! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]):
+//! [`mod@upsample`] subdivides both as often as [`levels`] says,
 //! [`mod@displace`] moves the fine vertices by eq. 19, [`mod@keep_out`] lays what then is inside a body on its surface.
 
 pub mod displace;

@@ -1,9 +1,10 @@
 //! Loop subdivision of a base surface together with the wrinkle field on it.
 //!
-//! Positions are smoothed over the whole mesh. Amplitude and phase live on the wrinkled faces only, whose border counts as a
-//! crease: the amplitude stays zero on it, wrinkle-free faces stay flat, and no phase is ever needed where there is none. The
-//! phase is carried as a number a vertex plus a whole number of turns an edge, so that neighbours are compared in one chart and
-//! jumps stay exact multiples of 2π at every level.
+//! Positions are smoothed over the whole mesh. Amplitude and phase live on the wrinkled faces only,
+//! whose border counts as a crease: the amplitude stays zero on it, wrinkle-free faces stay flat,
+//! and no phase is ever needed where there is none. The phase is carried as a number a vertex plus
+//! a whole number of turns an edge, so that neighbours are compared in one chart and jumps stay
+//! exact multiples of 2π at every level.
 
 use std::f64::consts::TAU;
 
@@ -35,10 +36,12 @@ pub struct Upsampled {
     pub rest_faces: Vec<[usize; 3]>,
 }
 
-/// Boundary vertices whose rest angle differs from a straight line by more than this (rad) are corners and stay in place.
+/// Boundary vertices whose rest angle differs from a straight line by more than this (rad) are
+/// corners and stay in place.
 const CORNER_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
 
-/// Subdivides `levels` times a base surface (`positions`, `[V]`, m), the `field` on it, and its rest shape.
+/// Subdivides `levels` times a base surface (`positions`, `[V]`, m), the `field` on it, and its
+/// rest shape.
 pub fn upsample(
     topology: &Topology,
     positions: &[Vec3],
@@ -77,13 +80,27 @@ pub fn upsample(
         fine = next;
     }
     let share = 4_usize.pow(levels as u32);
-    let wrinkle_free: Vec<bool> = (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
+    let wrinkle_free: Vec<bool> =
+        (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
     let phase = chart.corners(&fine, &wrinkle_free);
-    Upsampled { topology: fine, levels, base, amplitude_m, phase, wrinkle_free, rest_positions: rest.0, rest_faces: rest.1 }
+    Upsampled {
+        topology: fine,
+        levels,
+        base,
+        amplitude_m,
+        phase,
+        wrinkle_free,
+        rest_positions: rest.0,
+        rest_faces: rest.1,
+    }
 }
 
 /// `[V]` boundary vertices at which the rest boundary turns sharply.
-fn boundary_corners(topology: &Topology, rest_positions: &[Vec3], rest_faces: &[[usize; 3]]) -> Vec<bool> {
+fn boundary_corners(
+    topology: &Topology,
+    rest_positions: &[Vec3],
+    rest_faces: &[[usize; 3]],
+) -> Vec<bool> {
     let mut angle = vec![0.0; topology.vertex_count];
     for (face, rest_face) in topology.faces.iter().zip(rest_faces) {
         for k in 0..3 {
@@ -92,14 +109,17 @@ fn boundary_corners(topology: &Topology, rest_positions: &[Vec3], rest_faces: &[
         }
     }
     let boundary = topology.boundary_vertices();
-    (0..topology.vertex_count).map(|v| boundary[v] && (angle[v] - std::f64::consts::PI).abs() > CORNER_ANGLE).collect()
+    (0..topology.vertex_count)
+        .map(|v| boundary[v] && (angle[v] - std::f64::consts::PI).abs() > CORNER_ANGLE)
+        .collect()
 }
 
 /// A phase known up to whole turns.
 struct Chart {
     /// `[V]` phase (rad).
     phase: Vec<f64>,
-    /// `[E]` turns to add to the higher vertex's phase so that the difference to the lower one's is that along the edge.
+    /// `[E]` turns to add to the higher vertex's phase so that the difference to the lower one's is
+    /// that along the edge.
     turns: Vec<i64>,
 }
 
@@ -121,7 +141,8 @@ impl Chart {
             let offset = |k: usize| ((field.phase[f][k] - phase[face[k]]) / TAU).round() as i64;
             for k in 0..3 {
                 let l = (k + 1) % 3;
-                turns[topology.face_edges[f][k]] = if face[k] < face[l] { offset(l) - offset(k) } else { offset(k) - offset(l) };
+                turns[topology.face_edges[f][k]] =
+                    if face[k] < face[l] { offset(l) - offset(k) } else { offset(k) - offset(l) };
             }
         }
         Self { phase, turns }
@@ -133,18 +154,22 @@ impl Chart {
     }
 
     fn refined(&self, coarse: &Topology, masks: &Masks, fine: &Topology) -> Self {
-        // A new vertex takes the chart of the vertex it comes from; on an edge that is the lower one.
+        // A new vertex takes the chart of the vertex it comes from; on an edge that is the lower
+        // one.
         let in_chart_of_home = |v: usize| {
             let row = masks.row(v);
             let home = row.vertices[0];
             let mut value = self.phase[home];
             for k in 1..row.vertices.len() {
                 let turns = self.turns_towards(coarse, row.edges[k], home);
-                value += row.weights[k] * (self.phase[row.vertices[k]] - self.phase[home] + TAU * turns as f64);
+                value += row.weights[k]
+                    * (self.phase[row.vertices[k]] - self.phase[home] + TAU * turns as f64);
             }
             value
         };
-        let home = |v: usize| if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] };
+        let home = |v: usize| {
+            if v < coarse.vertex_count { v } else { coarse.edges[v - coarse.vertex_count][0] }
+        };
         // Both ends of a fine edge expressed in the chart of the first one's home.
         let turns_along = |e: usize| {
             let [from, to] = fine.edges[e].map(home);
@@ -153,7 +178,9 @@ impl Chart {
             }
             // The homes are corners of the coarse face that the edge lies in.
             let sides = coarse.face_edges[fine.edge_faces[e][0] / 4];
-            let between = sides.into_iter().find(|&side| coarse.edges[side].contains(&from) && coarse.edges[side].contains(&to));
+            let between = sides.into_iter().find(|&side| {
+                coarse.edges[side].contains(&from) && coarse.edges[side].contains(&to)
+            });
             self.turns_towards(coarse, between.expect("two corners of a face share a side"), from)
         };
         Self {
@@ -173,7 +200,11 @@ impl Chart {
                 }
                 let turns = |e: usize| TAU * self.turns_towards(topology, e, face[0]) as f64;
                 let [first, _, last] = topology.face_edges[f];
-                [self.phase[face[0]], self.phase[face[1]] + turns(first), self.phase[face[2]] + turns(last)]
+                [
+                    self.phase[face[0]],
+                    self.phase[face[1]] + turns(first),
+                    self.phase[face[2]] + turns(last),
+                ]
             })
             .collect()
     }
@@ -183,14 +214,21 @@ impl Chart {
 mod tests {
     use super::*;
 
-    /// A ring of `n` squares around a cylinder, `m` high, with a phase of `waves` turns around it and jumps put at odd places.
-    fn ring(n: usize, m: usize, waves: f64) -> (Topology, Vec<Vec3>, WrinkleField, Vec<Vec3>, Vec<[usize; 3]>) {
+    /// A ring of `n` squares around a cylinder, `m` high, with a phase of `waves` turns around it
+    /// and jumps put at odd places.
+    fn ring(
+        n: usize,
+        m: usize,
+        waves: f64,
+    ) -> (Topology, Vec<Vec3>, WrinkleField, Vec<Vec3>, Vec<[usize; 3]>) {
         let at = |i: usize, j: usize| j * n + i % n;
         let rest_at = |i: usize, j: usize| j * (n + 1) + i;
         let (mut faces, mut rest_faces, mut phase) = (Vec::new(), Vec::new(), Vec::new());
         for j in 0..m {
             for i in 0..n {
-                for square in [[(i, j), (i + 1, j), (i + 1, j + 1)], [(i, j), (i + 1, j + 1), (i, j + 1)]] {
+                for square in
+                    [[(i, j), (i + 1, j), (i + 1, j + 1)], [(i, j), (i + 1, j + 1), (i, j + 1)]]
+                {
                     faces.push(square.map(|(i, j)| at(i, j)));
                     rest_faces.push(square.map(|(i, j)| rest_at(i, j)));
                     let jump = ((i * 5 + j * 3) % 4) as f64;
@@ -199,8 +237,12 @@ mod tests {
             }
         }
         let angle = |i: usize| TAU * i as f64 / n as f64;
-        let positions = (0..(m + 1) * n).map(|v| Vec3::new(angle(v % n).cos(), angle(v % n).sin(), (v / n) as f64 * 0.3)).collect();
-        let rest_positions = (0..(m + 1) * (n + 1)).map(|v| Vec3::new(angle(v % (n + 1)), (v / (n + 1)) as f64 * 0.3, 0.0)).collect();
+        let positions = (0..(m + 1) * n)
+            .map(|v| Vec3::new(angle(v % n).cos(), angle(v % n).sin(), (v / n) as f64 * 0.3))
+            .collect();
+        let rest_positions = (0..(m + 1) * (n + 1))
+            .map(|v| Vec3::new(angle(v % (n + 1)), (v / (n + 1)) as f64 * 0.3, 0.0))
+            .collect();
         let topology = Topology::new("ring", (m + 1) * n, faces).unwrap();
         let field = WrinkleField {
             amplitude_m: vec![0.1; topology.vertex_count],
@@ -216,7 +258,8 @@ mod tests {
         let n = 10;
         let (topology, positions, field, rest, rest_faces) = ring(n, 4, 7.0);
         let fine = upsample(&topology, &positions, &field, &rest, &rest_faces, 3);
-        // Along the ring the phase is linear in the rest coordinate, at every corner, up to whole turns.
+        // Along the ring the phase is linear in the rest coordinate, at every corner, up to whole
+        // turns.
         for (f, face) in fine.rest_faces.iter().enumerate() {
             for k in 0..3 {
                 let expected = 7.0 * fine.rest_positions[face[k]].x;
@@ -248,17 +291,27 @@ mod tests {
                 assert!(face.iter().all(|&v| fine.amplitude_m[v] == 0.0));
             }
         }
-        assert!(fine.amplitude_m.iter().all(|a| *a >= 0.0) && fine.amplitude_m.iter().any(|a| *a > 0.09));
+        assert!(
+            fine.amplitude_m.iter().all(|a| *a >= 0.0)
+                && fine.amplitude_m.iter().any(|a| *a > 0.09)
+        );
     }
 
     #[test]
     fn sharp_boundary_corners_stay() {
-        let rest: Vec<Vec3> =
-            [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.1, 0.4]].iter().map(|p| Vec3::new(p[0], p[1], 0.0)).collect();
+        let rest: Vec<Vec3> = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.1, 0.4]]
+            .iter()
+            .map(|p| Vec3::new(p[0], p[1], 0.0))
+            .collect();
         let faces = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
         let topology = Topology::new("sheet", 5, faces.clone()).unwrap();
         let positions = rest.clone();
-        let field = WrinkleField { amplitude_m: vec![0.0; 5], omega: vec![0.0; 8], phase: vec![[0.0; 3]; 4], wrinkle_free: vec![true; 4] };
+        let field = WrinkleField {
+            amplitude_m: vec![0.0; 5],
+            omega: vec![0.0; 8],
+            phase: vec![[0.0; 3]; 4],
+            wrinkle_free: vec![true; 4],
+        };
         let fine = upsample(&topology, &positions, &field, &rest, &faces, 3);
         for v in 0..4 {
             assert_eq!(fine.base[v], positions[v]);

@@ -1,4 +1,5 @@
-//! Sheets that the tests and benches of this crate work on, and seeded randomness to shuffle them with.
+//! Sheets that the tests and benches of this crate work on, and seeded randomness to shuffle them
+//! with.
 
 #![allow(dead_code)] // Each test file takes what it needs.
 
@@ -14,7 +15,9 @@ use plisse::mesh::sew::{Seam, reversed, sew};
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::{Observer, Silent};
 use plisse::rest::RestMetric;
-use plisse::shell::{BaseOptions, BaseReport, Clamps, ReferenceOptions, Setup, solve_base, solve_reference};
+use plisse::shell::{
+    BaseOptions, BaseReport, Clamps, ReferenceOptions, Setup, solve_base, solve_reference,
+};
 
 /// A surface, its rest metric and a pose.
 #[derive(Clone)]
@@ -31,7 +34,12 @@ pub(crate) struct Sheet {
 }
 
 impl Sheet {
-    pub(crate) fn new(rest_positions: Vec<Vec3>, rest_faces: Vec<[usize; 3]>, faces: Vec<[usize; 3]>, pose: Vec<Vec3>) -> Self {
+    pub(crate) fn new(
+        rest_positions: Vec<Vec3>,
+        rest_faces: Vec<[usize; 3]>,
+        faces: Vec<[usize; 3]>,
+        pose: Vec<Vec3>,
+    ) -> Self {
         let topology = Topology::new("sheet", pose.len(), faces).unwrap();
         let rest = RestMetric::from_shape("sheet", &rest_positions, &rest_faces).unwrap();
         let held = vec![false; pose.len()];
@@ -41,7 +49,8 @@ impl Sheet {
     /// A flat irregular panel at rest, in the plane z = 0.
     pub(crate) fn flat(outline: &Outline, edge_length_m: f64, seed: u64) -> Self {
         let panel = Panel::new("sheet", outline, edge_length_m, seed).unwrap();
-        let positions: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+        let positions: Vec<Vec3> =
+            panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         Self::new(positions.clone(), panel.faces.clone(), panel.faces, positions)
     }
 
@@ -49,32 +58,45 @@ impl Sheet {
         Self::flat(&Outline::Rectangle { width_m, height_m }, edge_length_m, seed)
     }
 
-    /// A flat rectangle at rest of `columns` × `rows` squares, all cut the same way, so that any two neighbouring faces form a
-    /// parallelogram: there mid-edge bending converges to that of a plate. Vertex j·(columns + 1) + i is the i-th of row j.
+    /// A flat rectangle at rest of `columns` × `rows` squares, all cut the same way, so that any
+    /// two neighbouring faces form a parallelogram: there mid-edge bending converges to that of a
+    /// plate. Vertex j·(columns + 1) + i is the i-th of row j.
     pub(crate) fn lattice(width_m: f64, height_m: f64, columns: usize, rows: usize) -> Self {
         let row = columns + 1;
-        let at = |v: usize| Vec3::new(width_m * (v % row) as f64 / columns as f64, height_m * (v / row) as f64 / rows as f64, 0.0);
+        let at = |v: usize| {
+            Vec3::new(
+                width_m * (v % row) as f64 / columns as f64,
+                height_m * (v / row) as f64 / rows as f64,
+                0.0,
+            )
+        };
         let positions: Vec<Vec3> = (0..row * (rows + 1)).map(at).collect();
         let corners = (0..rows * row).filter(|v| (v + 1) % row != 0);
-        let faces: Vec<[usize; 3]> = corners.flat_map(|v| [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]]).collect();
+        let faces: Vec<[usize; 3]> =
+            corners.flat_map(|v| [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]]).collect();
         Self::new(positions.clone(), faces.clone(), faces, positions)
     }
 
-    /// A closed ball at rest: an icosahedron of which every face is cut into four `cuts` times, on the sphere of this radius.
+    /// A closed ball at rest: an icosahedron of which every face is cut into four `cuts` times, on
+    /// the sphere of this radius.
     pub(crate) fn ball(radius_m: f64, cuts: usize) -> Self {
         let (positions, faces) = icosphere(cuts);
         let positions: Vec<Vec3> = positions.iter().map(|p| p * radius_m).collect();
         Self::new(positions.clone(), faces.clone(), faces, positions)
     }
 
-    /// A ring of this radius whose tube has the radius `tube_m`, at rest, of about regular triangles of this edge length.
+    /// A ring of this radius whose tube has the radius `tube_m`, at rest, of about regular
+    /// triangles of this edge length.
     pub(crate) fn torus(radius_m: f64, tube_m: f64, edge_length_m: f64) -> Self {
         let around = (TAU * radius_m / edge_length_m).round() as usize;
         let rows = 2 * (0.5 * TAU * tube_m / (edge_length_m * 0.75_f64.sqrt())).round() as usize;
         let at = |v: usize| {
             let (i, j) = (v % around, v / around);
             // Every second row lies half an edge farther on.
-            let (long, short) = (TAU * (i as f64 + 0.5 * (j % 2) as f64) / around as f64, TAU * j as f64 / rows as f64);
+            let (long, short) = (
+                TAU * (i as f64 + 0.5 * (j % 2) as f64) / around as f64,
+                TAU * j as f64 / rows as f64,
+            );
             let out = radius_m + tube_m * short.cos();
             Vec3::new(out * long.cos(), out * long.sin(), tube_m * short.sin())
         };
@@ -102,7 +124,8 @@ impl Sheet {
 
     /// Solves for the field.
     pub(crate) fn solve(&self, material: &Material, options: &FieldOptions) -> Solved {
-        solve(&self.topology, &self.rest, &self.pose, &self.held, material, options, &Silent).unwrap()
+        solve(&self.topology, &self.rest, &self.pose, &self.held, material, options, &Silent)
+            .unwrap()
     }
 
     /// Middle of face `f` at rest (m).
@@ -111,7 +134,8 @@ impl Sheet {
     }
 }
 
-/// Vertices on the unit sphere and faces (counter-clockwise seen from outside) of an icosahedron, cut `cuts` times.
+/// Vertices on the unit sphere and faces (counter-clockwise seen from outside) of an icosahedron,
+/// cut `cuts` times.
 pub(crate) fn icosphere(cuts: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let corners: Vec<Vec3> = (0..3)
@@ -130,7 +154,11 @@ pub(crate) fn icosphere(cuts: usize) -> (Vec<Vec3>, Vec<[usize; 3]>) {
             for k in j + 1..12 {
                 let [a, b, c] = [i, j, k].map(|v| corners[v]);
                 if [(a, b), (b, c), (c, a)].iter().all(|(p, q)| (p - q).norm() < 2.1) {
-                    faces.push(if (b - a).cross(&(c - a)).dot(&a) > 0.0 { [i, j, k] } else { [i, k, j] });
+                    faces.push(if (b - a).cross(&(c - a)).dot(&a) > 0.0 {
+                        [i, j, k]
+                    } else {
+                        [i, k, j]
+                    });
                 }
             }
         }
@@ -190,29 +218,56 @@ impl Solver {
         self.observed(setup, start, &Silent)
     }
 
-    pub(crate) fn observed(self, setup: &Setup<'_>, start: &[Vec3], observer: &dyn Observer) -> Result<Equilibrium> {
+    pub(crate) fn observed(
+        self,
+        setup: &Setup<'_>,
+        start: &[Vec3],
+        observer: &dyn Observer,
+    ) -> Result<Equilibrium> {
         match self {
             Self::Base => {
                 let (pose, r) = solve_base(setup, start, &BaseOptions::default(), observer)?;
-                let (iterations, ending, resolved_faces) = (r.iterations, r.ending, r.resolved_faces);
+                let (iterations, ending, resolved_faces) =
+                    (r.iterations, r.ending, r.resolved_faces);
                 let (energy_joule, gradient_newton) = (r.energy_joule, r.gradient_newton);
-                Ok(Equilibrium { pose, energy_joule, gradient_newton, iterations, ending, resolved_faces })
+                Ok(Equilibrium {
+                    pose,
+                    energy_joule,
+                    gradient_newton,
+                    iterations,
+                    ending,
+                    resolved_faces,
+                })
             }
             Self::Reference => {
-                let (pose, r) = solve_reference(setup, start, &ReferenceOptions::default(), observer)?;
-                let (iterations, ending, resolved_faces) = (r.iterations, r.ending, r.resolved_faces);
+                let (pose, r) =
+                    solve_reference(setup, start, &ReferenceOptions::default(), observer)?;
+                let (iterations, ending, resolved_faces) =
+                    (r.iterations, r.ending, r.resolved_faces);
                 let (energy_joule, gradient_newton) = (r.energy_joule, r.gradient_newton);
-                Ok(Equilibrium { pose, energy_joule, gradient_newton, iterations, ending, resolved_faces })
+                Ok(Equilibrium {
+                    pose,
+                    energy_joule,
+                    gradient_newton,
+                    iterations,
+                    ending,
+                    resolved_faces,
+                })
             }
         }
     }
 }
 
-/// A ring of which the inside is opened and the rim turned, over a low hill, with both rims held: sheared faces that wrinkle
-/// around a wrinkle-free, tense inside. Its phase gains turns around the hole (b₁ = 1).
+/// A ring of which the inside is opened and the rim turned, over a low hill, with both rims held:
+/// sheared faces that wrinkle around a wrinkle-free, tense inside. Its phase gains turns around the
+/// hole (b₁ = 1).
 pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
     let (inner, outer) = (0.3, 1.0);
-    let ring = Sheet::flat(&Outline::Annulus { inner_radius_m: inner, outer_radius_m: outer }, edge_length_m, seed);
+    let ring = Sheet::flat(
+        &Outline::Annulus { inner_radius_m: inner, outer_radius_m: outer },
+        edge_length_m,
+        seed,
+    );
     let held = ring.topology.boundary_vertices();
     let mut ring = ring.posed(|p| {
         let (r, angle) = (p.x.hypot(p.y), p.y.atan2(p.x));
@@ -225,14 +280,21 @@ pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
     ring
 }
 
-/// The twisted cylinder of the paper (radius 1 m, height 5 m, irregular, sewn from one panel), its top turned by 10°: a smooth
-/// pose to start the base solve from, with the rims as clamps.
+/// The twisted cylinder of the paper (radius 1 m, height 5 m, irregular, sewn from one panel), its
+/// top turned by 10°: a smooth pose to start the base solve from, with the rims as clamps.
 pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
-    let panel = Panel::new("cylinder", &Outline::Rectangle { width_m: TAU, height_m: 5.0 }, edge_length_m, 7).unwrap();
+    let panel = Panel::new(
+        "cylinder",
+        &Outline::Rectangle { width_m: TAU, height_m: 5.0 },
+        edge_length_m,
+        7,
+    )
+    .unwrap();
     let left = reversed(panel.side("left").unwrap());
     let seam = Seam { a: (0, panel.side("right").unwrap()), b: (0, &left) };
     let sewn = sew("cylinder", std::slice::from_ref(&panel), &[seam]).unwrap();
-    let rest_positions: Vec<Vec3> = sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
+    let rest_positions: Vec<Vec3> =
+        sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let mut pose = vec![Vec3::zeros(); sewn.topology.vertex_count];
     let mut clamps = Clamps::none(pose.len());
     for (p, &v) in sewn.rest_positions.iter().zip(&sewn.vertex_of_rest) {
@@ -250,7 +312,9 @@ pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
 /// [`twisted_cylinder`] after its base solve.
 pub(crate) fn twisted_cylinder_at_rest(edge_length_m: f64) -> (Sheet, BaseReport) {
     let (mut sheet, clamps) = twisted_cylinder(edge_length_m);
-    let (pose, report) = solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &BaseOptions::default(), &Silent).unwrap();
+    let (pose, report) =
+        solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &BaseOptions::default(), &Silent)
+            .unwrap();
     sheet.pose = pose;
     (sheet, report)
 }

@@ -1,8 +1,11 @@
-//! Growth on a mesh that becomes as fine as the folds ask for while they grow (4.2 of [Combaz & Neyret 2002]).
+//! Growth on a mesh that becomes as fine as the folds ask for while they grow (4.2 of [Combaz &
+//! Neyret 2002]).
 //!
-//! The pattern is chosen, and grows, on a mesh just fine enough to carry it; only then the mesh is made as fine as the result shall be, and
-//! each refinement needs a few iterations, because it begins where the coarser one ended, with new vertices on the curves that its normals
-//! tell ([`Curving`]). What the surface carries goes with it; the expansion acts on the ungrown rest metric, whatever the mesh.
+//! The pattern is chosen, and grows, on a mesh just fine enough to carry it; only then the mesh is
+//! made as fine as the result shall be, and each refinement needs a few iterations, because it
+//! begins where the coarser one ended, with new vertices on the curves that its normals tell
+//! ([`Curving`]). What the surface carries goes with it; the expansion acts on the ungrown rest
+//! metric, whatever the mesh.
 
 mod surface;
 
@@ -22,7 +25,8 @@ use crate::{Error, Result};
 
 /// Growth (factor of length less 1) below which a place is left coarse, as in remeshing.
 const QUIET: f64 = 1e-9;
-/// How much more force than at the end may be left after a step on the coarse mesh, and how many iterations it may take.
+/// How much more force than at the end may be left after a step on the coarse mesh, and how many
+/// iterations it may take.
 const ON_THE_WAY: (f64, usize) = (30.0, 30);
 /// By how much finer each level of the end is than the one before.
 const REFINING: f64 = 2.0;
@@ -38,7 +42,8 @@ pub struct AdaptOptions {
     pub longest_m: f64,
     /// No vertex is added beyond this many.
     pub most_vertices: usize,
-    /// Angle (rad) between the normals at an edge's ends above which it should be shorter, down to a half.
+    /// Angle (rad) between the normals at an edge's ends above which it should be shorter, down to
+    /// a half.
     pub normal_angle: f64,
     /// Where new vertices go.
     pub curving: Curving,
@@ -63,9 +68,16 @@ impl AdaptOptions {
     /// About how many vertices `growing` has at the end.
     pub fn vertices(&self, growing: &Growing<'_>) -> f64 {
         let of = |(f, face): (usize, &[usize; 3])| {
-            let grows = |v: usize| growing.maps.expansion.vertices[v].principal().0[0] > 1.0 + QUIET;
-            let fine = face.iter().map(|&v| growing.maps.wavelength_m[v]).fold(f64::INFINITY, f64::min) / self.finish_edges_per_wave;
-            let edge = if face.iter().any(|&v| grows(v)) { fine.min(self.longest_m) } else { self.longest_m };
+            let grows =
+                |v: usize| growing.maps.expansion.vertices[v].principal().0[0] > 1.0 + QUIET;
+            let fine =
+                face.iter().map(|&v| growing.maps.wavelength_m[v]).fold(f64::INFINITY, f64::min)
+                    / self.finish_edges_per_wave;
+            let edge = if face.iter().any(|&v| grows(v)) {
+                fine.min(self.longest_m)
+            } else {
+                self.longest_m
+            };
             // Two regular triangles to a vertex.
             growing.rest.faces[f].area_m2 / (0.75_f64.sqrt() * edge * edge)
         };
@@ -81,24 +93,37 @@ impl AdaptOptions {
         growing.check_start()?;
         growing.check_maps()?;
         let place = |name: &str| format!("growth.remesh.{name}");
-        for (name, edges) in [("edges_per_wave", self.edges_per_wave), ("finish_edges_per_wave", self.finish_edges_per_wave)] {
+        for (name, edges) in [
+            ("edges_per_wave", self.edges_per_wave),
+            ("finish_edges_per_wave", self.finish_edges_per_wave),
+        ] {
             if !(5.0..=100.0).contains(&edges) {
                 return Err(Error::value(
                     place(name),
-                    format!("{edges} edges to a wavelength carry no folds; give a number from 5 to 100"),
+                    format!(
+                        "{edges} edges to a wavelength carry no folds; give a number from 5 to 100"
+                    ),
                 ));
             }
         }
         if self.finish_edges_per_wave < self.edges_per_wave {
-            let message =
-                format!("{} is less than the {} while it grows; give as many or more", self.finish_edges_per_wave, self.edges_per_wave);
+            let message = format!(
+                "{} is less than the {} while it grows; give as many or more",
+                self.finish_edges_per_wave, self.edges_per_wave
+            );
             return Err(Error::value(place("finish_edges_per_wave"), message));
         }
         if !(self.longest_m.is_finite() && self.longest_m > 0.0) {
-            return Err(Error::value(place("longest_m"), format!("{} is no length; give a positive number of metres", self.longest_m)));
+            return Err(Error::value(
+                place("longest_m"),
+                format!("{} is no length; give a positive number of metres", self.longest_m),
+            ));
         }
         if options.plasticity > 0.0 {
-            return Err(Error::value("growth.plasticity", "plasticity is kept on edges, which remeshing changes; give one of them only"));
+            return Err(Error::value(
+                "growth.plasticity",
+                "plasticity is kept on edges, which remeshing changes; give one of them only",
+            ));
         }
         let need = self.vertices(growing);
         if need > self.most_vertices as f64 {
@@ -111,7 +136,8 @@ impl AdaptOptions {
     fn too_narrow(&self, growing: &Growing<'_>, need: &str) -> Error {
         let narrowest = growing.maps.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
         let message = format!(
-            "folds down to {narrowest:.3e} m apart need {need} growth.remesh.most_vertices = {}; ask for wider folds or raise it",
+            "folds down to {narrowest:.3e} m apart need {need} growth.remesh.most_vertices = {}; \
+             ask for wider folds or raise it",
             self.most_vertices
         );
         Error::value("growth.wavelength_m", message)
@@ -158,8 +184,9 @@ pub struct AdaptReport {
     pub meshes: Vec<MeshStage>,
 }
 
-/// Goes through the `parts` of the growth of `growing` (as [`super::grow_each`], which see for `each`) on meshes that follow its folds, from its
-/// starting surface, with texture places (`[F][3]`) or none. The mesh is looked at again after every step, and refined twofold and again
+/// Goes through the `parts` of the growth of `growing` (as [`super::grow_each`], which see for
+/// `each`) on meshes that follow its folds, from its starting surface, with texture places
+/// (`[F][3]`) or none. The mesh is looked at again after every step, and refined twofold and again
 /// at the end. Where nothing grows at all, nothing is changed.
 ///
 /// # Errors
@@ -175,7 +202,14 @@ pub fn grow_adapting<'a>(
 ) -> Result<(Surface<'a>, AdaptReport)> {
     let begun = Instant::now();
     adapt.check(growing, options)?;
-    let mut run = Run { surface: Surface::new(growing, uvs), adapt, options, observer, steps: Vec::new(), meshes: Vec::new() };
+    let mut run = Run {
+        surface: Surface::new(growing, uvs),
+        adapt,
+        options,
+        observer,
+        steps: Vec::new(),
+        meshes: Vec::new(),
+    };
     let choosing = choosing_part(growing, options);
     let grows = !growing.maps.expansion.is_none();
     if grows {
@@ -185,7 +219,11 @@ pub fn grow_adapting<'a>(
     }
     for (n, &part) in parts.iter().enumerate() {
         let last = n + 1 == parts.len() && adapt.finish_edges_per_wave == adapt.edges_per_wave;
-        let effort = if last || part <= choosing { Effort::exact(options) } else { Effort::of(options, ON_THE_WAY) };
+        let effort = if last || part <= choosing {
+            Effort::exact(options)
+        } else {
+            Effort::of(options, ON_THE_WAY)
+        };
         if !run.settle(part, effort, each)? {
             return run.finish(begun);
         }
@@ -199,7 +237,8 @@ pub fn grow_adapting<'a>(
         edges = (edges * REFINING).min(adapt.finish_edges_per_wave);
         run.remesh(edges)?;
         let last = edges == adapt.finish_edges_per_wave;
-        let effort = Effort::of(options, (if last { 1.0 } else { ON_THE_WAY.0 }, adapt.finish_iterations));
+        let effort =
+            Effort::of(options, (if last { 1.0 } else { ON_THE_WAY.0 }, adapt.finish_iterations));
         if !run.settle(part, effort, each)? {
             break;
         }
@@ -254,10 +293,23 @@ impl<'a> Run<'a, '_> {
     }
 
     /// One step on the mesh there is; whether to go on.
-    fn settle(&mut self, part: f64, effort: Effort, each: &mut dyn FnMut(&StepReport, &Surface<'a>) -> Result<()>) -> Result<bool> {
+    fn settle(
+        &mut self,
+        part: f64,
+        effort: Effort,
+        each: &mut dyn FnMut(&StepReport, &Surface<'a>) -> Result<()>,
+    ) -> Result<bool> {
         let begun = Instant::now();
         let mut pose = self.surface.pose.clone();
-        let step = settle_part(&self.surface.growing(), part, effort, self.options, None, &mut pose, self.observer)?;
+        let step = settle_part(
+            &self.surface.growing(),
+            part,
+            effort,
+            self.options,
+            None,
+            &mut pose,
+            self.observer,
+        )?;
         self.surface.pose = pose;
         if let Some(mesh) = self.meshes.last_mut() {
             mesh.iterations += step.iterations;
@@ -272,8 +324,10 @@ impl<'a> Run<'a, '_> {
 
     fn finish(self, begun: Instant) -> Result<(Surface<'a>, AdaptReport)> {
         let surface = self.surface;
-        let asked: RestMetric = surface.maps.expansion.act_on(&surface.topology, &surface.start, &surface.rest)?;
-        let growth = GrowthReport { steps: self.steps, asked, seconds: begun.elapsed().as_secs_f64() };
+        let asked: RestMetric =
+            surface.maps.expansion.act_on(&surface.topology, &surface.start, &surface.rest)?;
+        let growth =
+            GrowthReport { steps: self.steps, asked, seconds: begun.elapsed().as_secs_f64() };
         Ok((surface, AdaptReport { growth, meshes: self.meshes }))
     }
 }

@@ -11,7 +11,8 @@ use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::Loads;
 
-/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, hold, three of the place, six of ln τ. One for each band follows.
+/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, hold, three of the place, six of ln
+/// τ. One for each band follows.
 const CHANNELS: usize = 15;
 /// Where the place and ln τ begin among them.
 const PLACE: usize = 6;
@@ -77,18 +78,27 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Remeshes all of it. Vertices that stay keep all they carry to the bit; of new ones, ln τ is the mean of the ends of the edge they
-    /// were made on. A point force whose vertex goes acts on the one nearest to it at the start. If nothing is to be changed, nothing is.
+    /// Remeshes all of it. Vertices that stay keep all they carry to the bit; of new ones, ln τ is
+    /// the mean of the ends of the edge they were made on. A point force whose vertex goes acts on
+    /// the one nearest to it at the start. If nothing is to be changed, nothing is.
     ///
-    /// Where folds must not pass through each other and would on the new mesh, new vertices are laid into the middle of their edges; if
-    /// that does not help, the mesh stays.
+    /// Where folds must not pass through each other and would on the new mesh, new vertices are
+    /// laid into the middle of their edges; if that does not help, the mesh stays.
     ///
     /// # Errors
     /// As [`remesh`].
     pub(super) fn remesh(&mut self, options: &RemeshOptions) -> Result<RemeshReport> {
         let growth = &self.maps.expansion.vertices;
-        let mut channels = vec![self.maps.wavelength_m.clone(), growth.iter().map(|g| g.principal().0[0].max(1.0)).collect()];
-        channels.extend([self.maps.coherence_m.clone(), self.maps.bias.clone(), self.maps.stickiness.clone(), self.maps.hold.clone()]);
+        let mut channels = vec![
+            self.maps.wavelength_m.clone(),
+            growth.iter().map(|g| g.principal().0[0].max(1.0)).collect(),
+        ];
+        channels.extend([
+            self.maps.coherence_m.clone(),
+            self.maps.bias.clone(),
+            self.maps.stickiness.clone(),
+            self.maps.hold.clone(),
+        ]);
         channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
         let logarithms: Vec<[f64; 6]> = growth.iter().map(Growth::logarithm).collect();
         channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
@@ -109,7 +119,9 @@ impl<'a> Surface<'a> {
         };
         let active = vec![true; sheet.faces.len()];
         let flat = RemeshOptions { curving: Curving::Flat, ..options.clone() };
-        let crosses = |sheet: &Sheet| self.self_contact && !crossing_pairs(&sheet.faces, &sheet.positions).is_empty();
+        let crosses = |sheet: &Sheet| {
+            self.self_contact && !crossing_pairs(&sheet.faces, &sheet.positions).is_empty()
+        };
         let mut remeshed = remesh(sheet.clone(), &active, options)?;
         if crosses(&remeshed.sheet) {
             remeshed = remesh(sheet, &active, &flat)?;
@@ -125,7 +137,9 @@ impl<'a> Surface<'a> {
         let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces)?;
         let normals = vertex_normals(&topology, &sheet.start)?;
         let c = &sheet.channels;
-        let made = |v: usize| Growth::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]));
+        let made = |v: usize| {
+            Growth::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]))
+        };
         let mut vertices: Vec<Growth> = (0..normals.len()).map(made).collect();
         for (old, new) in remeshed.maps.vertices.iter().enumerate() {
             if let Some(new) = *new {
@@ -134,23 +148,30 @@ impl<'a> Surface<'a> {
         }
         let nearest = |p: &Vec3| {
             let square = |v: &usize| (sheet.start[*v] - p).norm_squared();
-            (0..sheet.start.len()).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or_default()
+            (0..sheet.start.len())
+                .min_by(|a, b| square(a).total_cmp(&square(b)))
+                .unwrap_or_default()
         };
         for (v, _) in &mut self.loads.forces_newton {
             *v = remeshed.maps.vertices[*v].unwrap_or_else(|| nearest(&self.start[*v]));
         }
-        self.places = (0..normals.len()).map(|v| Vec3::new(c[PLACE][v], c[PLACE + 1][v], c[PLACE + 2][v])).collect();
+        self.places = (0..normals.len())
+            .map(|v| Vec3::new(c[PLACE][v], c[PLACE + 1][v], c[PLACE + 2][v]))
+            .collect();
         self.maps.expansion = Expansion { vertices };
         // A new vertex belongs to a band if all it lies between does.
-        let belongs = |b: usize| (0..c[0].len()).filter(|&v| c[CHANNELS + b][v] > 1.0 - 1e-9).collect();
+        let belongs =
+            |b: usize| (0..c[0].len()).filter(|&v| c[CHANNELS + b][v] > 1.0 - 1e-9).collect();
         self.maps.bands = (0..self.maps.bands.len()).map(belongs).collect();
         let mut channels = sheet.channels.into_iter();
         let mut next = || channels.next().unwrap_or_default();
         (self.maps.wavelength_m, _) = (next(), next());
-        (self.maps.coherence_m, self.maps.bias, self.maps.stickiness, self.maps.hold) = (next(), next(), next(), next());
+        (self.maps.coherence_m, self.maps.bias, self.maps.stickiness, self.maps.hold) =
+            (next(), next(), next(), next());
         self.topology = topology;
         self.rest = RestMetric { faces: sheet.rest };
-        (self.pose, self.start, self.maps.frozen, self.uvs) = (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
+        (self.pose, self.start, self.maps.frozen, self.uvs) =
+            (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
         Ok(report)
     }
 }

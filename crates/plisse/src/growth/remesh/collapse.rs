@@ -7,7 +7,8 @@ use crate::rest::RestFace;
 
 /// How far (rad) from straight the boundary may be, at rest, where a vertex is taken out of it.
 const STRAIGHT: f64 = 1e-6;
-/// How much shorter, relatively, the boundary may become in space where a vertex is taken out of it.
+/// How much shorter, relatively, the boundary may become in space where a vertex is taken out of
+/// it.
 const BOUNDARY_LOSS: f64 = 1e-12;
 /// Least ratio of height to base of a new face at rest.
 const FLATTEST: f64 = 0.02;
@@ -34,18 +35,28 @@ struct Plan {
 }
 
 impl Patch {
-    /// Draws `v` onto its neighbour `u`, which stays where it is, so that what vertices carry is not blended. Returns the change of
-    /// the rest area (m²). `fits` (end, length in m) says whether a new edge from `u` may be.
+    /// Draws `v` onto its neighbour `u`, which stays where it is, so that what vertices carry is
+    /// not blended. Returns the change of the rest area (m²). `fits` (end, length in m) says
+    /// whether a new edge from `u` may be.
     ///
-    /// The faces around `v` are laid flat together at rest. Where they do not quite close, their angles are scaled alike, the least
-    /// stretch there is that keeps the spokes; outer sides keep their lengths exactly, so no face outside notices.
+    /// The faces around `v` are laid flat together at rest. Where they do not quite close, their
+    /// angles are scaled alike, the least stretch there is that keeps the spokes; outer sides keep
+    /// their lengths exactly, so no face outside notices.
     ///
-    /// None, and nothing happens: if `v` is frozen, on a seam or beside inactive faces; if it is on the boundary, but not within a straight
-    /// stretch to `u`; if it is not flat at rest within `tolerances`; if the result were no manifold, or a face froze or turned over, in
-    /// space, at the start, at rest or in texture space.
-    pub(super) fn collapse(&mut self, v: usize, u: usize, tolerances: Tolerances, fits: impl Fn(&Self, usize, f64) -> bool) -> Option<f64> {
+    /// None, and nothing happens: if `v` is frozen, on a seam or beside inactive faces; if it is on
+    /// the boundary, but not within a straight stretch to `u`; if it is not flat at rest within
+    /// `tolerances`; if the result were no manifold, or a face froze or turned over, in space, at
+    /// the start, at rest or in texture space.
+    pub(super) fn collapse(
+        &mut self,
+        v: usize,
+        u: usize,
+        tolerances: Tolerances,
+        fits: impl Fn(&Self, usize, f64) -> bool,
+    ) -> Option<f64> {
         let plan = self.plan(v, u, tolerances)?;
-        if !plan.spokes.iter().all(|&(w, length)| fits(self, w, length)) || !self.move_uvs(u, &plan) {
+        if !plan.spokes.iter().all(|&(w, length)| fits(self, w, length)) || !self.move_uvs(u, &plan)
+        {
             return None;
         }
         for &(f, k, metric) in &plan.kept {
@@ -79,7 +90,8 @@ impl Patch {
         // Where u is on the rim; a closed rim repeats its first vertex at the end.
         let at_u = rim.iter().position(|&w| w == u)?;
         let beside = |i: usize| rim[i] == u || rim[i + 1] == u;
-        let mut plan = Plan { gone: Vec::new(), kept: Vec::new(), area_change_m2: 0.0, spokes: Vec::new() };
+        let mut plan =
+            Plan { gone: Vec::new(), kept: Vec::new(), area_change_m2: 0.0, spokes: Vec::new() };
         // Length from u to the rim's vertex i.
         let spoke = |i: usize| {
             let next = (0..n).find(|&s| beside(s) && (rim[s] == rim[i] || rim[s + 1] == rim[i]));
@@ -123,7 +135,8 @@ impl Patch {
         (small && self.keeps_sides(&old, &new, false)).then_some(plan)
     }
 
-    /// Vertices around the fan in order: one more than faces; a closed rim ends with its first vertex.
+    /// Vertices around the fan in order: one more than faces; a closed rim ends with its first
+    /// vertex.
     fn rim(&self, fan: &Fan) -> Vec<usize> {
         let next = |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 1) % 3];
         let mut rim: Vec<usize> = fan.faces.iter().map(next).collect();
@@ -131,10 +144,13 @@ impl Patch {
         rim
     }
 
-    /// Whether nothing but flatness speaks against drawing `v` onto `u`: seams, boundary, and whether the result is a manifold.
+    /// Whether nothing but flatness speaks against drawing `v` onto `u`: seams, boundary, and
+    /// whether the result is a manifold.
     fn may_join(&self, v: usize, u: usize, fan: &Fan, rim: &[usize]) -> bool {
         let n = fan.faces.len();
-        if fan.faces.iter().any(|&(f, k)| self.is_seam(&self.edge_faces(v, self.sheet.faces[f][(k + 1) % 3])) || !self.active[f]) {
+        if fan.faces.iter().any(|&(f, k)| {
+            self.is_seam(&self.edge_faces(v, self.sheet.faces[f][(k + 1) % 3])) || !self.active[f]
+        }) {
             return false;
         }
         // Fewer faces would leave one, or none.
@@ -156,7 +172,10 @@ impl Patch {
             }
         }
         // Link condition: u and v have no common neighbours but the corners opposite their edge.
-        let shared = rim[..n + usize::from(!fan.closed)].iter().filter(|&&w| w != u && self.joined(w, u)).count();
+        let shared = rim[..n + usize::from(!fan.closed)]
+            .iter()
+            .filter(|&&w| w != u && self.joined(w, u))
+            .count();
         let opposite = if fan.closed { 2 } else { 1 };
         // The corners opposite the edge keep faces enough.
         let corners = self.edge_faces(v, u);
@@ -167,10 +186,12 @@ impl Patch {
         shared == opposite && enough
     }
 
-    /// Places (m) of the rim's vertices around the vertex of `fan` at the origin, at rest; none if it is not flat within `flatness` (rad).
+    /// Places (m) of the rim's vertices around the vertex of `fan` at the origin, at rest; none if
+    /// it is not flat within `flatness` (rad).
     fn lay_out(&self, fan: &Fan, flatness: f64) -> Option<Vec<Vec2>> {
         let rest = |i: usize| &self.sheet.rest[fan.faces[i].0];
-        let angles: Vec<f64> = fan.faces.iter().map(|&(f, k)| laid::angle(&self.sheet.rest[f], k)).collect();
+        let angles: Vec<f64> =
+            fan.faces.iter().map(|&(f, k)| laid::angle(&self.sheet.rest[f], k)).collect();
         let (sum, flat) = (angles.iter().sum::<f64>(), flat_angle(fan.closed));
         if (sum - flat).abs() > if fan.closed { flatness } else { flatness.min(STRAIGHT) } {
             return None;
@@ -178,16 +199,23 @@ impl Patch {
         let mut turned = 0.0;
         let mut places = Vec::with_capacity(angles.len() + 1);
         for (i, angle) in angles.iter().enumerate() {
-            places.push(Vec2::new(f64::cos(turned), f64::sin(turned)) * laid::side(rest(i), fan.faces[i].1));
+            places.push(
+                Vec2::new(f64::cos(turned), f64::sin(turned)) * laid::side(rest(i), fan.faces[i].1),
+            );
             turned += angle * (flat / sum);
         }
         let last = fan.faces.len() - 1;
-        let end = if fan.closed { places[0] } else { Vec2::new(-laid::side(rest(last), (fan.faces[last].1 + 2) % 3), 0.0) };
+        let end = if fan.closed {
+            places[0]
+        } else {
+            Vec2::new(-laid::side(rest(last), (fan.faces[last].1 + 2) % 3), 0.0)
+        };
         places.push(end);
         Some(places)
     }
 
-    /// Gives the moved corners of `plan` the texture place of `u`; false, and nothing happens, if a face turned over.
+    /// Gives the moved corners of `plan` the texture place of `u`; false, and nothing happens, if a
+    /// face turned over.
     fn move_uvs(&mut self, u: usize, plan: &Plan) -> bool {
         let Some(&place) = plan.gone.first() else { return false };
         let corner = self.corner(place, u).expect("faces that go are beside the edge");

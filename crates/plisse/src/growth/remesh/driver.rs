@@ -9,7 +9,8 @@ use crate::mesh::Vec3;
 
 /// Lengths over asked ones above which edges are split.
 pub(super) const SPLIT: f64 = 4.0 / 3.0;
-/// Lengths over asked ones below which edges are collapsed: half of 4/5, so that no half of a split edge is.
+/// Lengths over asked ones below which edges are collapsed: half of 4/5, so that no half of a split
+/// edge is.
 pub(super) const COLLAPSE: f64 = 0.4;
 /// Lengths over asked ones that no collapse makes: some way below where edges are split.
 const LONGEST_MADE: f64 = 0.9 * SPLIT;
@@ -23,7 +24,10 @@ const SWAPS: usize = 64;
 /// Changes `patch` until nothing is left to change, or limits are met.
 pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
     let mut report = RemeshReport::default();
-    let area: f64 = (0..patch.active.len()).filter(|&f| patch.active[f]).map(|f| patch.sheet.rest[f].area_m2).sum();
+    let area: f64 = (0..patch.active.len())
+        .filter(|&f| patch.active[f])
+        .map(|f| patch.sheet.rest[f].area_m2)
+        .sum();
     let budget = options.area_tolerance * area;
     while report.passes < options.most_passes {
         report.passes += 1;
@@ -42,13 +46,18 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
 
 /// `[V]` how long (m) edges at each corner of an active face should be; infinite elsewhere.
 ///
-/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less; and no vertex asks for much more
-/// than its neighbours do, so that the mesh is graded. Where the active faces end, edges are what they are: the asked lengths begin there.
+/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less;
+/// and no vertex asks for much more than its neighbours do, so that the mesh is graded. Where the
+/// active faces end, edges are what they are: the asked lengths begin there.
 pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> {
     let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
     let base = |v: usize| {
         let fine = patch.sheet.channels[options.wavelength_channel][v] / options.edges_per_wave;
-        if growth(v).is_some_and(|g| (g - 1.0).abs() <= QUIET) { options.longest_m } else { fine.min(options.longest_m) }
+        if growth(v).is_some_and(|g| (g - 1.0).abs() <= QUIET) {
+            options.longest_m
+        } else {
+            fine.min(options.longest_m)
+        }
     };
     let mut asked = vec![f64::INFINITY; patch.around.len()];
     let mut normals = vec![None; patch.around.len()];
@@ -93,8 +102,8 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     asked.iter().zip(&spared).map(|(&a, &s)| a.max(-s)).collect()
 }
 
-/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of the `sides` (ends, length in m)
-/// between.
+/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of
+/// the `sides` (ends, length in m) between.
 fn spread(sides: &[(usize, usize, f64)], values: &mut [f64]) {
     let mut done = false;
     while !done {
@@ -119,7 +128,8 @@ pub(super) fn ratio(asked: &[f64], a: usize, b: usize, length: f64) -> f64 {
 
 /// Edges that may change, with length over asked length.
 fn rated(patch: &Patch, asked: &[f64]) -> Vec<(f64, [usize; 2])> {
-    let rate = |[a, b]: [usize; 2]| (ratio(asked, a, b, patch.length(&patch.edge_faces(a, b))), [a, b]);
+    let rate =
+        |[a, b]: [usize; 2]| (ratio(asked, a, b, patch.length(&patch.edge_faces(a, b))), [a, b]);
     patch.free_edges().into_iter().map(rate).collect()
 }
 
@@ -154,7 +164,12 @@ fn swap_all(patch: &mut Patch, report: &mut RemeshReport) {
 }
 
 /// Collapses what is too short, the worst first.
-fn collapse_all(patch: &mut Patch, options: &RemeshOptions, budget_m2: f64, report: &mut RemeshReport) {
+fn collapse_all(
+    patch: &mut Patch,
+    options: &RemeshOptions,
+    budget_m2: f64,
+    report: &mut RemeshReport,
+) {
     let asked = asked_lengths(patch, options);
     let mut short = rated(patch, &asked);
     short.retain(|&(ratio, _)| ratio < COLLAPSE);
@@ -166,8 +181,12 @@ fn collapse_all(patch: &mut Patch, options: &RemeshOptions, budget_m2: f64, repo
         }
         // Younger vertices go first.
         for (v, u) in [(a.max(b), a.min(b)), (a.min(b), a.max(b))] {
-            let tolerances = Tolerances { flatness: options.flatness, area_m2: budget_m2 - report.area_spent_m2 };
-            let fits = |_: &Patch, w: usize, length: f64| ratio(&asked, u, w, length) < LONGEST_MADE;
+            let tolerances = Tolerances {
+                flatness: options.flatness,
+                area_m2: budget_m2 - report.area_spent_m2,
+            };
+            let fits =
+                |_: &Patch, w: usize, length: f64| ratio(&asked, u, w, length) < LONGEST_MADE;
             if let Some(change) = patch.collapse(v, u, tolerances, fits) {
                 report.collapses += 1;
                 report.area_change_m2 += change;

@@ -16,14 +16,16 @@ pub(super) fn metric([a, b, c]: [Vec2; 3]) -> RestFace {
     from_root(length, u.dot(&v) / length, u.perp(&v) / length)
 }
 
-/// The rest metric of a triangle with side lengths (m) 0→1, 0→2 and 1→2; none if they make no triangle.
+/// The rest metric of a triangle with side lengths (m) 0→1, 0→2 and 1→2; none if they make no
+/// triangle.
 pub(super) fn metric_of_sides(a: f64, b: f64, c: f64) -> Option<RestFace> {
     // Heron's formula as Kahan orders it: exact to rounding for thin triangles too.
     let mut s = [a, b, c];
     s.sort_unstable_by(|x, y| y.total_cmp(x));
     let [x, y, z] = s;
     let square = (x + (y + z)) * (z - (x - y)) * (z + (x - y)) * (x + (y - z));
-    (square > 0.0 && square.is_finite()).then(|| from_root(a, ((a * a - c * c) + b * b) / (2.0 * a), square.sqrt() / (2.0 * a)))
+    (square > 0.0 && square.is_finite())
+        .then(|| from_root(a, ((a * a - c * c) + b * b) / (2.0 * a), square.sqrt() / (2.0 * a)))
 }
 
 /// The metric whose edges are (l11, 0) and (l21, l22) (m).
@@ -38,7 +40,8 @@ pub(super) fn side(face: &RestFace, k: usize) -> f64 {
     (p[(k + 1) % 3] - p[k]).norm()
 }
 
-/// A face seen from its side `k`, which lies on the x axis from the origin: the side's length (m), and where the third corner is (m).
+/// A face seen from its side `k`, which lies on the x axis from the origin: the side's length (m),
+/// and where the third corner is (m).
 pub(super) fn over_side(face: &RestFace, k: usize) -> (f64, Vec2) {
     let p = corners(face);
     let (e, w) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
@@ -74,12 +77,22 @@ mod tests {
         let face = metric(c);
         let sides = [0, 1, 2].map(|k: usize| (c[(k + 1) % 3] - c[k]).norm());
         for k in 0..3 {
-            assert!((side(&face, k) - sides[k]).abs() < 1e-15 && (over_side(&face, k).0 - sides[k]).abs() < 1e-15);
+            assert!(
+                (side(&face, k) - sides[k]).abs() < 1e-15
+                    && (over_side(&face, k).0 - sides[k]).abs() < 1e-15
+            );
         }
-        assert!(((0..3).map(|k| angle(&face, k)).sum::<f64>() - std::f64::consts::PI).abs() < 1e-14);
+        assert!(
+            ((0..3).map(|k| angle(&face, k)).sum::<f64>() - std::f64::consts::PI).abs() < 1e-14
+        );
         assert!((cotangent_over(&face, 1) * angle(&face, 0).tan() - 1.0).abs() < 1e-13);
         let again = metric_of_sides(sides[0], sides[2], sides[1]).unwrap();
-        assert!((again.inverse_root - face.inverse_root).norm() < 1e-13 && (again.area_m2 - face.area_m2).abs() < 1e-15);
-        assert!(metric_of_sides(1.0, 1.0, 2.0).is_none() && metric_of_sides(1.0, 1.0, 3.0).is_none());
+        assert!(
+            (again.inverse_root - face.inverse_root).norm() < 1e-13
+                && (again.area_m2 - face.area_m2).abs() < 1e-15
+        );
+        assert!(
+            metric_of_sides(1.0, 1.0, 2.0).is_none() && metric_of_sides(1.0, 1.0, 3.0).is_none()
+        );
     }
 }

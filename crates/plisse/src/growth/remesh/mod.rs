@@ -1,12 +1,15 @@
-//! Adaptive remeshing (4.2 of [Combaz & Neyret 2002]): edges are split, swapped and collapsed until they are as long as folds ask for.
+//! Adaptive remeshing (4.2 of [Combaz & Neyret 2002]): edges are split, swapped and collapsed until
+//! they are as long as folds ask for.
 //!
-//! All of it happens at rest. A surface has its lengths from the rest metric of its faces; a split halves a face, a swap lays
-//! two faces flat next to each other and cuts them along the other diagonal: neither changes a length or an area anywhere. Taking a
-//! vertex out changes them only if the rest metric is curved there, and is refused where that is too much
+//! All of it happens at rest. A surface has its lengths from the rest metric of its faces; a split
+//! halves a face, a swap lays two faces flat next to each other and cuts them along the other
+//! diagonal: neither changes a length or an area anywhere. Taking a vertex out changes them only if
+//! the rest metric is curved there, and is refused where that is too much
 //! ([`RemeshOptions::flatness`], [`RemeshOptions::area_tolerance`]).
 //!
-//! New vertices lie in the middle of edges, unless [`Curving`] says otherwise, and those taken out are drawn onto neighbours, so whatever is linear over the surface
-//! stays so. Seams of the texture, frozen regions and the boundary keep their course.
+//! New vertices lie in the middle of edges, unless [`Curving`] says otherwise, and those taken out
+//! are drawn onto neighbours, so whatever is linear over the surface stays so. Seams of the
+//! texture, frozen regions and the boundary keep their course.
 
 mod collapse;
 mod driver;
@@ -47,12 +50,13 @@ pub struct Sheet {
 pub struct RemeshOptions {
     /// Channel of the wavelength λ (m).
     pub wavelength_channel: usize,
-    /// Channel of the growth (factor of length); where it is 1, edges may be [`RemeshOptions::longest_m`] long. Without it, every
-    /// place grows.
+    /// Channel of the growth (factor of length); where it is 1, edges may be
+    /// [`RemeshOptions::longest_m`] long. Without it, every place grows.
     pub growth_channel: Option<usize>,
     /// Edges to a wavelength: where it grows, edges should be λ over this long, at rest.
     pub edges_per_wave: f64,
-    /// How long (m, at rest) edges should be where nothing grows; nowhere are they asked to be longer.
+    /// How long (m, at rest) edges should be where nothing grows; nowhere are they asked to be
+    /// longer.
     pub longest_m: f64,
     /// Angle (rad) between the normals at an edge's ends above which it should be shorter.
     pub normal_angle: f64,
@@ -60,10 +64,11 @@ pub struct RemeshOptions {
     pub growth_step: f64,
     /// How much shorter, as a share of what λ asks for, angle and change of growth may make edges.
     pub finest_share: f64,
-    /// Most (rad) by which the angles around a vertex that is taken out may differ from 2π, at rest.
+    /// Most (rad) by which the angles around a vertex that is taken out may differ from 2π, at
+    /// rest.
     pub flatness: f64,
-    /// Most rest area, as a share of the active one, that may be lost or won (both counted) by taking vertices out.
-    /// At 0 none is: even where it is flat, rounding costs some.
+    /// Most rest area, as a share of the active one, that may be lost or won (both counted) by
+    /// taking vertices out. At 0 none is: even where it is flat, rounding costs some.
     pub area_tolerance: f64,
     /// No vertex is added beyond this many.
     pub most_vertices: usize,
@@ -73,12 +78,14 @@ pub struct RemeshOptions {
     pub curving: Curving,
 }
 
-/// Where a new vertex goes. Rest lengths and all else that is carried are linear along edges whatever this is.
+/// Where a new vertex goes. Rest lengths and all else that is carried are linear along edges
+/// whatever this is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curving {
     /// Into the middle of its edge, in the pose and at the start.
     Flat,
-    /// At the start into the middle; in the pose to where folds curve, by the normals at the edge's ends, beyond what the start does.
+    /// At the start into the middle; in the pose to where folds curve, by the normals at the edge's
+    /// ends, beyond what the start does.
     Folds,
     /// To where the surface curves, in the pose and at the start.
     Start,
@@ -104,11 +111,12 @@ impl RemeshOptions {
     }
 }
 
-/// Where the old vertices and faces went. Those that are untouched keep their numbers, except that the last ones fill holes if the
-/// surface ends up with fewer.
+/// Where the old vertices and faces went. Those that are untouched keep their numbers, except that
+/// the last ones fill holes if the surface ends up with fewer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Maps {
-    /// `[old V]` new number of each vertex; none if it was taken out. Vertices that are left never change.
+    /// `[old V]` new number of each vertex; none if it was taken out. Vertices that are left never
+    /// change.
     pub vertices: Vec<Option<usize>>,
     /// `[old F]` new number of each face; none if it was taken out.
     pub faces: Vec<Option<usize>>,
@@ -127,7 +135,8 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Passes, the last of which changed nothing if [`RemeshReport::settled`].
     pub passes: usize,
-    /// Whether another call with the same options would change nothing (but for collapses for which no area was left).
+    /// Whether another call with the same options would change nothing (but for collapses for which
+    /// no area was left).
     pub settled: bool,
     /// Whether edges stayed too long for want of vertices.
     pub limited: bool,
@@ -154,11 +163,11 @@ pub struct Remeshed {
     pub report: RemeshReport,
 }
 
-/// Splits, swaps and collapses edges of `sheet` until they are as long as `options` ask for. Faces that are not `active` (`[F]`), their
-/// corners and their sides stay as they are to the bit.
+/// Splits, swaps and collapses edges of `sheet` until they are as long as `options` ask for. Faces
+/// that are not `active` (`[F]`), their corners and their sides stay as they are to the bit.
 ///
-/// An edge is split if it is longer than 4/3 of what is asked for and collapsed if shorter than 2/5; between these, nothing happens.
-/// The result does not depend on anything but the arguments.
+/// An edge is split if it is longer than 4/3 of what is asked for and collapsed if shorter than
+/// 2/5; between these, nothing happens. The result does not depend on anything but the arguments.
 ///
 /// # Errors
 /// [`Error::Mesh`] for a surface that is no manifold where it is active, or whose parts do not fit together; [`Error::Value`] for options
@@ -169,18 +178,22 @@ pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, active);
     patch.curving = options.curving;
-    // The whole connectivity takes longer than a small change; it is looked at only to say what is wrong.
+    // The whole connectivity takes longer than a small change; it is looked at only to say what is
+    // wrong.
     if !patch.is_sound() {
         Topology::new("remeshing", vertices, patch.sheet.faces)?;
-        return Err(Error::mesh("remeshing", "the surface is no manifold; split it where more than two faces meet"));
+        return Err(Error::mesh(
+            "remeshing",
+            "the surface is no manifold; split it where more than two faces meet",
+        ));
     }
     let report = driver::run(&mut patch, options);
     let (sheet, maps) = patch.finish(vertices, faces);
     Ok(Remeshed { sheet, maps, report })
 }
 
-/// Length of every edge of `sheet` at rest over the length that `options` ask for, edges as in [`Topology::edges`]. Edges that may
-/// change end up between 2/5 and 4/3, nearly all.
+/// Length of every edge of `sheet` at rest over the length that `options` ask for, edges as in
+/// [`Topology::edges`]. Edges that may change end up between 2/5 and 4/3, nearly all.
 ///
 /// # Errors
 /// As [`remesh`].
@@ -190,28 +203,51 @@ pub fn edge_ratios(sheet: &Sheet, options: &RemeshOptions) -> Result<Vec<f64>> {
     let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces.clone())?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
     let asked = driver::asked_lengths(&patch, options);
-    let ratio = |&[a, b]: &[usize; 2]| driver::ratio(&asked, a, b, patch.length(&patch.edge_faces(a, b)));
+    let ratio =
+        |&[a, b]: &[usize; 2]| driver::ratio(&asked, a, b, patch.length(&patch.edge_faces(a, b)));
     Ok(topology.edges.iter().map(ratio).collect())
 }
 
 fn check(sheet: &Sheet, active: &[bool]) -> Result<()> {
     let (n, m) = (sheet.positions.len(), sheet.faces.len());
     if let Some(f) = sheet.faces.iter().position(|face| face.iter().any(|&v| v >= n)) {
-        return Err(Error::mesh("remeshing", format!("face {f} names a vertex that is not there, of {n}; correct the index")));
+        return Err(Error::mesh(
+            "remeshing",
+            format!("face {f} names a vertex that is not there, of {n}; correct the index"),
+        ));
     }
-    let per_vertex = sheet.start.len() == n && sheet.frozen.len() == n && sheet.channels.iter().all(|c| c.len() == n);
-    let per_face = sheet.rest.len() == m && active.len() == m && sheet.uvs.as_ref().is_none_or(|uvs| uvs.len() == m);
+    let per_vertex = sheet.start.len() == n
+        && sheet.frozen.len() == n
+        && sheet.channels.iter().all(|c| c.len() == n);
+    let per_face = sheet.rest.len() == m
+        && active.len() == m
+        && sheet.uvs.as_ref().is_none_or(|uvs| uvs.len() == m);
     if !(per_vertex && per_face) {
         return Err(Error::mesh(
             "remeshing",
-            format!("the lists of what {n} vertices and {m} faces carry differ in length; give one entry each"),
+            format!(
+                "the lists of what {n} vertices and {m} faces carry differ in length; give one \
+                 entry each"
+            ),
         ));
     }
-    if let Some(v) = (0..n).find(|&v| [&sheet.positions[v], &sheet.start[v]].iter().any(|p| p.iter().any(|x| !x.is_finite()))) {
-        return Err(Error::mesh("remeshing", format!("the place of vertex {v} is not a number; give finite coordinates")));
+    if let Some(v) = (0..n).find(|&v| {
+        [&sheet.positions[v], &sheet.start[v]].iter().any(|p| p.iter().any(|x| !x.is_finite()))
+    }) {
+        return Err(Error::mesh(
+            "remeshing",
+            format!("the place of vertex {v} is not a number; give finite coordinates"),
+        ));
     }
-    if let Some(f) = sheet.rest.iter().position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|x| x.is_finite()))) {
-        return Err(Error::mesh("remeshing", format!("face {f} has no area at rest; remove the face or move its corners apart")));
+    if let Some(f) = sheet
+        .rest
+        .iter()
+        .position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|x| x.is_finite())))
+    {
+        return Err(Error::mesh(
+            "remeshing",
+            format!("face {f} has no area at rest; remove the face or move its corners apart"),
+        ));
     }
     Ok(())
 }
@@ -226,12 +262,20 @@ fn check_options(sheet: &Sheet, options: &RemeshOptions) -> Result<()> {
     ];
     for (name, value) in positive {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(Error::value(format!("remesh.{name}"), format!("{value} is no length, angle or share; give a number above 0")));
+            return Err(Error::value(
+                format!("remesh.{name}"),
+                format!("{value} is no length, angle or share; give a number above 0"),
+            ));
         }
     }
-    for (name, value) in [("flatness", options.flatness), ("area_tolerance", options.area_tolerance)] {
+    for (name, value) in
+        [("flatness", options.flatness), ("area_tolerance", options.area_tolerance)]
+    {
         if value.is_nan() || value < 0.0 {
-            return Err(Error::value(format!("remesh.{name}"), format!("{value} is no tolerance; give 0 or more")));
+            return Err(Error::value(
+                format!("remesh.{name}"),
+                format!("{value} is no tolerance; give 0 or more"),
+            ));
         }
     }
     if options.finest_share > 1.0 {
@@ -242,12 +286,22 @@ fn check_options(sheet: &Sheet, options: &RemeshOptions) -> Result<()> {
     }
     let channel = |name: &str, c: usize, least: f64| {
         let Some(values) = sheet.channels.get(c) else {
-            return Err(Error::value(name, format!("there is no channel {c} but only {}; correct the number", sheet.channels.len())));
+            return Err(Error::value(
+                name,
+                format!(
+                    "there is no channel {c} but only {}; correct the number",
+                    sheet.channels.len()
+                ),
+            ));
         };
         match values.iter().position(|&x| !(x > least && x.is_finite())) {
-            Some(v) => {
-                Err(Error::value(name, format!("the value {} at vertex {v} cannot be used; give a finite number above {least}", values[v])))
-            }
+            Some(v) => Err(Error::value(
+                name,
+                format!(
+                    "the value {} at vertex {v} cannot be used; give a finite number above {least}",
+                    values[v]
+                ),
+            )),
             None => Ok(()),
         }
     };

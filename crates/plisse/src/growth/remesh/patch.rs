@@ -8,7 +8,8 @@ use crate::mesh::Vec3;
 /// Least cosine between the normals of a face before and after it is changed.
 const LEAST_COSINE: f64 = 0.5;
 
-/// The surface with its holes: numbers of faces and vertices never change here, new ones are appended, dead ones are marked.
+/// The surface with its holes: numbers of faces and vertices never change here, new ones are
+/// appended, dead ones are marked.
 pub(super) struct Patch {
     pub(super) sheet: Sheet,
     /// `[V]` faces around each vertex, in no order; empty: the vertex is dead.
@@ -25,8 +26,8 @@ pub(super) struct Patch {
     pub(super) curving: Curving,
 }
 
-/// The faces on an edge from `a` to `b`: `(face, corner at which the edge begins)` of the one that runs along it, and of the one
-/// that runs against it.
+/// The faces on an edge from `a` to `b`: `(face, corner at which the edge begins)` of the one that
+/// runs along it, and of the one that runs against it.
 pub(super) struct EdgeFaces {
     pub(super) forth: Option<(usize, usize)>,
     pub(super) back: Option<(usize, usize)>,
@@ -66,21 +67,27 @@ impl Patch {
         }
     }
 
-    /// Whether every vertex has a face, and the active faces and their neighbours are a manifold, all facing the same way.
+    /// Whether every vertex has a face, and the active faces and their neighbours are a manifold,
+    /// all facing the same way.
     pub(super) fn is_sound(&self) -> bool {
         let proper = |f: usize| {
             let face = self.sheet.faces[f];
             let side = |k: usize| {
                 let (a, b) = (face[k], face[(k + 1) % 3]);
                 let along = |x: usize, y: usize| {
-                    let runs = |&&g: &&usize| (0..3).any(|l| self.sheet.faces[g][l] == x && self.sheet.faces[g][(l + 1) % 3] == y);
+                    let runs = |&&g: &&usize| {
+                        (0..3).any(|l| {
+                            self.sheet.faces[g][l] == x && self.sheet.faces[g][(l + 1) % 3] == y
+                        })
+                    };
                     self.around[a].iter().filter(runs).count()
                 };
                 a != b && along(a, b) == 1 && along(b, a) <= 1
             };
             (0..3).all(side)
         };
-        self.around.iter().all(|faces| !faces.is_empty()) && (0..self.active.len()).all(|f| !self.active[f] || proper(f))
+        self.around.iter().all(|faces| !faces.is_empty())
+            && (0..self.active.len()).all(|f| !self.active[f] || proper(f))
     }
 
     /// The corner of face `f` that is vertex `v`, if it is one.
@@ -111,7 +118,9 @@ impl Patch {
     /// All edges whose faces are all active, lower end first, sorted.
     pub(super) fn free_edges(&self) -> Vec<[usize; 2]> {
         let mut edges = Vec::new();
-        for (f, face) in self.sheet.faces.iter().enumerate().filter(|&(f, _)| self.active[f] && !self.dead[f]) {
+        for (f, face) in
+            self.sheet.faces.iter().enumerate().filter(|&(f, _)| self.active[f] && !self.dead[f])
+        {
             for k in 0..3 {
                 let (a, b) = (face[k], face[(k + 1) % 3]);
                 let other = self.edge_faces(a, b).back;
@@ -126,18 +135,26 @@ impl Patch {
 
     /// Rest length (m) of the edge on `faces`: the mean of both sides.
     pub(super) fn length(&self, faces: &EdgeFaces) -> f64 {
-        let (sum, count) = faces.iter().fold((0.0, 0.0), |(sum, n), (f, k)| (sum + laid::side(&self.sheet.rest[f], k), n + 1.0));
+        let (sum, count) = faces.iter().fold((0.0, 0.0), |(sum, n), (f, k)| {
+            (sum + laid::side(&self.sheet.rest[f], k), n + 1.0)
+        });
         sum / count
     }
 
     /// Whether texture places, or rest lengths, differ across the edge: it is a seam.
     pub(super) fn is_seam(&self, faces: &EdgeFaces) -> bool {
         let (Some((f, k)), Some((g, l))) = (faces.forth, faces.back) else { return false };
-        let uv_seam = self.sheet.uvs.as_ref().is_some_and(|uv| uv[f][k] != uv[g][(l + 1) % 3] || uv[f][(k + 1) % 3] != uv[g][l]);
-        uv_seam || !laid::agree(laid::side(&self.sheet.rest[f], k), laid::side(&self.sheet.rest[g], l))
+        let uv_seam = self
+            .sheet
+            .uvs
+            .as_ref()
+            .is_some_and(|uv| uv[f][k] != uv[g][(l + 1) % 3] || uv[f][(k + 1) % 3] != uv[g][l]);
+        uv_seam
+            || !laid::agree(laid::side(&self.sheet.rest[f], k), laid::side(&self.sheet.rest[g], l))
     }
 
-    /// The axes along which an edge is frozen as a whole. Not where it joins two places of the boundary through the inside.
+    /// The axes along which an edge is frozen as a whole. Not where it joins two places of the
+    /// boundary through the inside.
     pub(super) fn frozen_line(&self, a: usize, b: usize, faces: &EdgeFaces) -> [bool; 3] {
         let (p, q) = (self.sheet.frozen[a], self.sheet.frozen[b]);
         let axes = [0, 1, 2].map(|k| p[k] && q[k]);
@@ -146,10 +163,15 @@ impl Patch {
         }
         let outer = faces.forth.is_none() || faces.back.is_none();
         // A frozen face beside it makes it part of a frozen region whatever lies at its ends.
-        let beside = faces
-            .iter()
-            .any(|(f, _)| self.sheet.faces[f].iter().all(|&v| (0..3).all(|k| !axes[k] || self.sheet.frozen[v][k])) && !self.is_ear(f));
-        if outer || beside || !(self.on_boundary(a) && self.on_boundary(b)) { axes } else { [false; 3] }
+        let beside = faces.iter().any(|(f, _)| {
+            self.sheet.faces[f].iter().all(|&v| (0..3).all(|k| !axes[k] || self.sheet.frozen[v][k]))
+                && !self.is_ear(f)
+        });
+        if outer || beside || !(self.on_boundary(a) && self.on_boundary(b)) {
+            axes
+        } else {
+            [false; 3]
+        }
     }
 
     /// Whether a face with these corners would be frozen along some axis.
@@ -174,12 +196,17 @@ impl Patch {
 
     /// The faces around `v` in order; none where they are more than one fan.
     pub(super) fn fan(&self, v: usize) -> Option<Fan> {
-        let around: Vec<(usize, usize)> =
-            self.around[v].iter().map(|&f| (f, self.corner(f, v).expect("faces around a vertex have it"))).collect();
-        let (first, last) =
-            (|&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 1) % 3], |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 2) % 3]);
+        let around: Vec<(usize, usize)> = self.around[v]
+            .iter()
+            .map(|&f| (f, self.corner(f, v).expect("faces around a vertex have it")))
+            .collect();
+        let (first, last) = (
+            |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 1) % 3],
+            |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 2) % 3],
+        );
         // The face no other leads to; in a closed fan, the one that begins at the lowest vertex.
-        let opening = around.iter().find(|face| around.iter().all(|other| last(other) != first(face)));
+        let opening =
+            around.iter().find(|face| around.iter().all(|other| last(other) != first(face)));
         let begin = *opening.or_else(|| around.iter().min_by_key(|face| first(face)))?;
         let mut faces = vec![begin];
         while faces.len() <= around.len() {
@@ -197,16 +224,20 @@ impl Patch {
         self.normal_sum(v, &self.sheet.positions).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
-    /// Sum of the normals (m², of twice the areas) of the faces around `v`, whose corners are at `places` (m).
+    /// Sum of the normals (m², of twice the areas) of the faces around `v`, whose corners are at
+    /// `places` (m).
     pub(super) fn normal_sum(&self, v: usize, places: &[Vec3]) -> Vec3 {
         self.around[v].iter().map(|&f| normal(self.sheet.faces[f].map(|u| places[u]))).sum()
     }
 
-    /// Whether no new face turns over, in space or at the start: every one of `new` keeps its side of every one of `old` with the same
-    /// number, or of all of them if `all`, and of the surface around each of its corners (else many small turns would add up).
+    /// Whether no new face turns over, in space or at the start: every one of `new` keeps its side
+    /// of every one of `old` with the same number, or of all of them if `all`, and of the surface
+    /// around each of its corners (else many small turns would add up).
     pub(super) fn keeps_sides(&self, old: &[[usize; 3]], new: &[[usize; 3]], all: bool) -> bool {
         [&self.sheet.positions, &self.sheet.start].into_iter().all(|places| {
-            let faces = |list: &[[usize; 3]]| -> Vec<Vec3> { list.iter().map(|face| normal(face.map(|v| places[v]))).collect() };
+            let faces = |list: &[[usize; 3]]| -> Vec<Vec3> {
+                list.iter().map(|face| normal(face.map(|v| places[v]))).collect()
+            };
             let (was, is) = (faces(old), faces(new));
             let same_side = |n: &Vec3, m: &Vec3| n.dot(m) > LEAST_COSINE * n.norm() * m.norm();
             is.iter().enumerate().all(|(k, m)| {
@@ -238,7 +269,11 @@ impl Patch {
         for v in sheet.faces.iter_mut().flatten() {
             *v = to_vertex[*v].expect("living faces have living corners");
         }
-        let maps = Maps { vertices: to_vertex[..old_vertices].to_vec(), faces: to_face[..old_faces].to_vec(), changed: self.changed };
+        let maps = Maps {
+            vertices: to_vertex[..old_vertices].to_vec(),
+            faces: to_face[..old_faces].to_vec(),
+            changed: self.changed,
+        };
         (self.sheet, maps)
     }
 }
@@ -247,7 +282,11 @@ impl Patch {
 fn fill(alive: &[bool]) -> Vec<Option<usize>> {
     let count = alive.iter().filter(|&&a| a).count();
     let mut holes = (0..count).filter(|&n| !alive[n]);
-    let place = |n: usize| alive[n].then(|| if n < count { n } else { holes.next().expect("as many holes as are beyond the end") });
+    let place = |n: usize| {
+        alive[n].then(|| {
+            if n < count { n } else { holes.next().expect("as many holes as are beyond the end") }
+        })
+    };
     (0..alive.len()).map(place).collect()
 }
 

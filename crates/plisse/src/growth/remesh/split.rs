@@ -8,9 +8,10 @@ use crate::mesh::Vec3;
 const MOST_SAGITTA: f64 = 0.3;
 
 impl Patch {
-    /// Splits the edge `a`–`b` in the middle; the new vertex is the last. The parts of a face keep its metric, and half of its area each;
-    /// what vertices carry is the mean of both ends, so what is linear stays linear. None, and nothing happens, if the edge
-    /// is not there or not all of its faces are active.
+    /// Splits the edge `a`–`b` in the middle; the new vertex is the last. The parts of a face keep
+    /// its metric, and half of its area each; what vertices carry is the mean of both ends, so what
+    /// is linear stays linear. None, and nothing happens, if the edge is not there or not all of
+    /// its faces are active.
     ///
     /// The middle is frozen along the axes along which the edge is frozen as a whole.
     pub(super) fn split(&mut self, a: usize, b: usize) -> Option<usize> {
@@ -66,23 +67,33 @@ impl Patch {
         if self.curving == Curving::Flat {
             return (position, start);
         }
-        let (folded, smooth) = (self.sagitta(a, b, &sheet.positions), self.sagitta(a, b, &sheet.start));
+        let (folded, smooth) =
+            (self.sagitta(a, b, &sheet.positions), self.sagitta(a, b, &sheet.start));
         // What is not folded stays on the start, to the bit.
-        let (round, beside) = if self.curving == Curving::Start { (smooth, Vec3::zeros()) } else { (Vec3::zeros(), smooth) };
+        let (round, beside) = if self.curving == Curving::Start {
+            (smooth, Vec3::zeros())
+        } else {
+            (Vec3::zeros(), smooth)
+        };
         let by = start - position;
         start += round;
-        position =
-            if sheet.positions[a] == sheet.start[a] && sheet.positions[b] == sheet.start[b] { start } else { position + (folded - beside) };
+        position = if sheet.positions[a] == sheet.start[a] && sheet.positions[b] == sheet.start[b] {
+            start
+        } else {
+            position + (folded - beside)
+        };
         for axis in (0..3).filter(|&axis| frozen[axis]) {
             position[axis] = start[axis] - by[axis];
         }
         (position, start)
     }
 
-    /// From the middle of the edge `a`–`b` to that of the cubic that leaves its ends perpendicular to their normals, as sides of curved
-    /// point-normal triangles do ([Vlachos et al. 2001]). None where they look apart.
+    /// From the middle of the edge `a`–`b` to that of the cubic that leaves its ends perpendicular
+    /// to their normals, as sides of curved point-normal triangles do ([Vlachos et al. 2001]). None
+    /// where they look apart.
     fn sagitta(&self, a: usize, b: usize, places: &[Vec3]) -> Vec3 {
-        let normal = |v: usize| self.normal_sum(v, places).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let normal =
+            |v: usize| self.normal_sum(v, places).try_normalize(0.0).unwrap_or_else(Vec3::zeros);
         let (n, m, edge) = (normal(a), normal(b), places[b] - places[a]);
         if n.dot(&m) <= 0.0 {
             return Vec3::zeros();

@@ -10,31 +10,39 @@ const DELAUNAY: f64 = -1e-9;
 const FLATTEST: f64 = 1e-4;
 
 impl Patch {
-    /// Whether the edge `a`–`b` is not Delaunay in the rest metric: a swap would make the least angle larger.
+    /// Whether the edge `a`–`b` is not Delaunay in the rest metric: a swap would make the least
+    /// angle larger.
     pub(super) fn wants_swap(&self, a: usize, b: usize) -> bool {
         let faces = self.edge_faces(a, b);
         let (Some((f, k)), Some((g, l))) = (faces.forth, faces.back) else { return false };
-        laid::cotangent_over(&self.sheet.rest[f], k) + laid::cotangent_over(&self.sheet.rest[g], l) < DELAUNAY
+        laid::cotangent_over(&self.sheet.rest[f], k) + laid::cotangent_over(&self.sheet.rest[g], l)
+            < DELAUNAY
     }
 
-    /// Swaps the edge `a`–`b` for the other diagonal and returns that one's ends. Both faces are laid flat in their own metric first, so
-    /// lengths and the sum of areas stay. None, and nothing happens: on the boundary, beside inactive faces, on seams and frozen
-    /// lines; where the flat quad is not convex, the other diagonal is there already, or a face
-    /// would turn over or be frozen.
+    /// Swaps the edge `a`–`b` for the other diagonal and returns that one's ends. Both faces are
+    /// laid flat in their own metric first, so lengths and the sum of areas stay. None, and nothing
+    /// happens: on the boundary, beside inactive faces, on seams and frozen lines; where the flat
+    /// quad is not convex, the other diagonal is there already, or a face would turn over or be
+    /// frozen.
     pub(super) fn swap(&mut self, a: usize, b: usize) -> Option<[usize; 2]> {
         let faces = self.edge_faces(a, b);
         let ((f, k), (g, l)) = (faces.forth?, faces.back?);
-        if !(self.active[f] && self.active[g]) || self.is_seam(&faces) || self.frozen_line(a, b, &faces) != [false; 3] {
+        if !(self.active[f] && self.active[g])
+            || self.is_seam(&faces)
+            || self.frozen_line(a, b, &faces) != [false; 3]
+        {
             return None;
         }
         let (c, d) = (self.sheet.faces[f][(k + 2) % 3], self.sheet.faces[g][(l + 2) % 3]);
         if c == d || self.joined(c, d) {
             return None;
         }
-        let ((length, above), (same, below)) = (laid::over_side(&self.sheet.rest[f], k), laid::over_side(&self.sheet.rest[g], l));
+        let ((length, above), (same, below)) =
+            (laid::over_side(&self.sheet.rest[f], k), laid::over_side(&self.sheet.rest[g], l));
         // a at the origin, b on the x axis; the other face is turned by half a turn.
         let length = 0.5 * (length + same);
-        let (pa, pb, pc, pd) = (Vec2::zeros(), Vec2::new(length, 0.0), above, Vec2::new(length - below.x, -below.y));
+        let (pa, pb, pc, pd) =
+            (Vec2::zeros(), Vec2::new(length, 0.0), above, Vec2::new(length - below.x, -below.y));
         let least = FLATTEST * length * length;
         if (pd - pa).perp(&(pc - pa)) < least || (pb - pd).perp(&(pc - pd)) < least {
             return None;
@@ -44,7 +52,8 @@ impl Patch {
             return None;
         }
         if let Some(uvs) = &mut self.sheet.uvs {
-            let [ta, tb, tc, td] = [uvs[f][k], uvs[f][(k + 1) % 3], uvs[f][(k + 2) % 3], uvs[g][(l + 2) % 3]];
+            let [ta, tb, tc, td] =
+                [uvs[f][k], uvs[f][(k + 1) % 3], uvs[f][(k + 2) % 3], uvs[g][(l + 2) % 3]];
             let area = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp(&(r - p));
             let old = [area(ta, tb, tc), area(tb, ta, td)];
             let new = [area(ta, td, tc), area(td, tb, tc)];

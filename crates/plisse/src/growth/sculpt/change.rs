@@ -3,7 +3,8 @@
 use super::Painted;
 use crate::mesh::Vec3;
 
-/// Values that were overwritten, in ascending order of the vertices: with them [`super::Sculpture::restore`] goes back to the bit.
+/// Values that were overwritten, in ascending order of the vertices: with them
+/// [`super::Sculpture::restore`] goes back to the bit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
     /// Vertices whose pose was another, and that pose (m).
@@ -19,7 +20,10 @@ pub struct Change {
 impl Change {
     /// Whether nothing was changed.
     pub fn is_empty(&self) -> bool {
-        self.poses.is_empty() && self.painted.is_empty() && self.woken.is_empty() && self.calmed.is_empty()
+        self.poses.is_empty()
+            && self.painted.is_empty()
+            && self.woken.is_empty()
+            && self.calmed.is_empty()
     }
 
     /// The vertices whose pose was another: what a picture must be brought up to date with.
@@ -29,8 +33,9 @@ impl Change {
 
     /// This change and the `later` one, as one.
     pub fn then(self, later: Self) -> Self {
-        let only =
-            |list: &[usize], other: &[usize]| -> Vec<usize> { list.iter().copied().filter(|v| other.binary_search(v).is_err()).collect() };
+        let only = |list: &[usize], other: &[usize]| -> Vec<usize> {
+            list.iter().copied().filter(|v| other.binary_search(v).is_err()).collect()
+        };
         let both = |first: Vec<usize>, second: Vec<usize>| {
             let mut all = [first, second].concat();
             all.sort_unstable();

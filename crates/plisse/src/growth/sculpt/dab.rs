@@ -15,7 +15,8 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// The place of vertex `v` of `topology`; none if there is no such vertex. Looks through all faces.
+    /// The place of vertex `v` of `topology`; none if there is no such vertex. Looks through all
+    /// faces.
     pub fn vertex(topology: &Topology, v: usize) -> Option<Self> {
         let face = topology.faces.iter().position(|face| face.contains(&v))?;
         let weights = topology.faces[face].map(|u| if u == v { 1.0 } else { 0.0 });
@@ -26,7 +27,8 @@ impl Spot {
 /// What a brush changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
-    /// Lengths grow by this factor more, along this direction in space or, without one, in all directions.
+    /// Lengths grow by this factor more, along this direction in space or, without one, in all
+    /// directions.
     Growth {
         /// Factor of length; below 1 it shrinks.
         factor: f64,
@@ -41,7 +43,8 @@ pub enum Paint {
     Bias(f64),
     /// The stickiness becomes this.
     Stickiness(f64),
-    /// All axes are frozen where the vertex now is, or freed, where the brush has half of its strength and more.
+    /// All axes are frozen where the vertex now is, or freed, where the brush has half of its
+    /// strength and more.
     Freeze(bool),
 }
 
@@ -61,8 +64,13 @@ pub struct Dab {
 impl Dab {
     /// Strength (0 to 1) at `distance_m` (m) from its middle.
     pub fn strength(&self, distance_m: f64) -> f64 {
-        let part = (distance_m / self.radius_m - self.core) / (1.0 - self.core).max(f64::MIN_POSITIVE);
-        if distance_m >= self.radius_m { 0.0 } else { 0.5 + 0.5 * (std::f64::consts::PI * part.clamp(0.0, 1.0)).cos() }
+        let part =
+            (distance_m / self.radius_m - self.core) / (1.0 - self.core).max(f64::MIN_POSITIVE);
+        if distance_m >= self.radius_m {
+            0.0
+        } else {
+            0.5 + 0.5 * (std::f64::consts::PI * part.clamp(0.0, 1.0)).cos()
+        }
     }
 
     /// # Errors
@@ -70,26 +78,41 @@ impl Dab {
     pub(super) fn check(&self, face_count: usize) -> Result<()> {
         let value = |name: &str, message: String| Err(Error::value(format!("dab.{name}"), message));
         if self.spot.face >= face_count {
-            return value("spot", format!("there is no face {} but only {face_count}; give a face of the surface", self.spot.face));
+            return value(
+                "spot",
+                format!(
+                    "there is no face {} but only {face_count}; give a face of the surface",
+                    self.spot.face
+                ),
+            );
         }
         let sum: f64 = self.spot.weights.iter().sum();
         if !((sum - 1.0).abs() < 1e-6 && self.spot.weights.iter().all(|w| *w >= -1e-6)) {
             return value(
                 "spot",
-                format!("the shares {:?} name no point of a face; give three of 0 and more, of sum 1", self.spot.weights),
+                format!(
+                    "the shares {:?} name no point of a face; give three of 0 and more, of sum 1",
+                    self.spot.weights
+                ),
             );
         }
         if !(self.radius_m.is_finite() && self.radius_m > 0.0) {
-            return value("radius_m", format!("{} is no radius; give a positive number of metres", self.radius_m));
+            return value(
+                "radius_m",
+                format!("{} is no radius; give a positive number of metres", self.radius_m),
+            );
         }
         if !(0.0..=1.0).contains(&self.core) {
             return value("core", format!("{} is no share; give a number from 0 to 1", self.core));
         }
         match self.paint {
-            Paint::Growth { factor, .. } if !(0.1..=10.0).contains(&factor) => {
-                value("factor", format!("{factor} is no growth of one dab; give a factor of length from 0.1 to 10"))
-            }
-            Paint::Growth { direction: Some(d), .. } if !(d.norm() > 0.0 && d.iter().all(|x| x.is_finite())) => {
+            Paint::Growth { factor, .. } if !(0.1..=10.0).contains(&factor) => value(
+                "factor",
+                format!("{factor} is no growth of one dab; give a factor of length from 0.1 to 10"),
+            ),
+            Paint::Growth { direction: Some(d), .. }
+                if !(d.norm() > 0.0 && d.iter().all(|x| x.is_finite())) =>
+            {
                 value("direction", "it has no length; give a direction in space".to_owned())
             }
             _ => Ok(()),
@@ -102,8 +125,14 @@ impl Painted {
     pub(super) fn under(&self, paint: &Paint, strength: f64, options: &SculptOptions) -> Self {
         let blend = |from: f64, to: f64| from + strength * (to - from);
         match *paint {
-            Paint::Growth { factor, direction } => Self { growth: grown(&self.growth, factor.powf(strength), direction, options), ..*self },
-            Paint::Wavelength(to) => Self { wavelength_m: self.wavelength_m * (to / self.wavelength_m).powf(strength), ..*self },
+            Paint::Growth { factor, direction } => Self {
+                growth: grown(&self.growth, factor.powf(strength), direction, options),
+                ..*self
+            },
+            Paint::Wavelength(to) => Self {
+                wavelength_m: self.wavelength_m * (to / self.wavelength_m).powf(strength),
+                ..*self
+            },
             Paint::Coherence(to) => Self { coherence_m: blend(self.coherence_m, to), ..*self },
             Paint::Bias(to) => Self { bias: blend(self.bias, to), ..*self },
             Paint::Stickiness(to) => Self { stickiness: blend(self.stickiness, to), ..*self },
@@ -113,8 +142,8 @@ impl Painted {
     }
 }
 
-/// `growth`, and then `factor` along `direction` or in all; as it is where that would go beyond the limits, or where the direction is normal
-/// to the surface.
+/// `growth`, and then `factor` along `direction` or in all; as it is where that would go beyond the
+/// limits, or where the direction is normal to the surface.
 fn grown(growth: &Growth, factor: f64, direction: Option<Vec3>, options: &SculptOptions) -> Growth {
     let later = match direction {
         None => Growth { form: Mat2::identity() * (factor * factor), ..*growth },
@@ -122,12 +151,17 @@ fn grown(growth: &Growth, factor: f64, direction: Option<Vec3>, options: &Sculpt
             let normal = growth.along.cross(&growth.across);
             let flat = direction - normal * normal.dot(&direction);
             let Some(along) = flat.try_normalize(1e-6 * direction.norm()) else { return *growth };
-            Growth { along, across: normal.cross(&along), form: Mat2::new(factor * factor, 0.0, 0.0, 1.0) }
+            Growth {
+                along,
+                across: normal.cross(&along),
+                form: Mat2::new(factor * factor, 0.0, 0.0, 1.0),
+            }
         }
     };
     let one = |growth: Growth| Expansion { vertices: vec![growth] };
     let whole = one(*growth).then(&one(later)).vertices[0];
     let ([most, least], _) = whole.principal();
-    let further = most > options.growth_limit && factor > 1.0 || least < 1.0 / options.growth_limit && factor < 1.0;
+    let further = most > options.growth_limit && factor > 1.0
+        || least < 1.0 / options.growth_limit && factor < 1.0;
     if further { *growth } else { whole }
 }

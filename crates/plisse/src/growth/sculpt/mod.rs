@@ -1,12 +1,15 @@
-//! Painting folds: dabs of a brush, each followed by a solve of what lies around it, and of nothing else (4.6 of
-//! [Combaz & Neyret 2002]).
+//! Painting folds: dabs of a brush, each followed by a solve of what lies around it, and of nothing
+//! else (4.6 of [Combaz & Neyret 2002]).
 //!
-//! A [`Sculpture`] owns a surface and all that is painted on it. A [`Dab`] changes the values under the brush; then the film around it, up
-//! to [`SculptOptions::near`] wavelengths beyond, takes a few Newton steps from where it is. All outside are constants of that small
-//! problem: they keep their place to the bit, and how many they are costs nothing. After a stroke, [`Sculpture::settle`] brings all that
-//! was touched, and [`SculptOptions::margin`] wavelengths around it, to rest.
+//! A [`Sculpture`] owns a surface and all that is painted on it. A [`Dab`] changes the values under
+//! the brush; then the film around it, up to [`SculptOptions::near`] wavelengths beyond, takes a
+//! few Newton steps from where it is. All outside are constants of that small problem: they keep
+//! their place to the bit, and how many they are costs nothing. After a stroke,
+//! [`Sculpture::settle`] brings all that was touched, and [`SculptOptions::margin`] wavelengths
+//! around it, to rest.
 //!
-//! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its stretching stiffness; weight is exact.
+//! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its
+//! stretching stiffness; weight is exact.
 
 mod change;
 mod dab;
@@ -67,7 +70,8 @@ fn maps_of<'a>(painted: impl Iterator<Item = &'a Painted> + Clone, hold: Vec<f64
 pub struct SculptOptions {
     /// How far beyond the brush the surface may move, in wavelengths.
     pub margin: f64,
-    /// How far beyond the brush it moves already while the brush is followed, in wavelengths; at most [`SculptOptions::margin`].
+    /// How far beyond the brush it moves already while the brush is followed, in wavelengths; at
+    /// most [`SculptOptions::margin`].
     pub near: f64,
     /// Newton iterations after each dab.
     pub iterations: usize,
@@ -92,7 +96,8 @@ pub struct SculptReport {
     pub solved: usize,
     /// The solve; none if nothing could move.
     pub step: Option<StepReport>,
-    /// Seconds: finding what is touched and around it, painting and cutting the piece out, solving, all together.
+    /// Seconds: finding what is touched and around it, painting and cutting the piece out, solving,
+    /// all together.
     pub seconds: [f64; 4],
 }
 
@@ -132,19 +137,34 @@ pub struct Sculpture {
 }
 
 impl Sculpture {
-    /// The surface of `growing` in the pose `pose` (`[V]`, m): its starting surface, or what it has grown to. Frozen axes stay where they are
-    /// in that pose.
+    /// The surface of `growing` in the pose `pose` (`[V]`, m): its starting surface, or what it has
+    /// grown to. Frozen axes stay where they are in that pose.
     ///
     /// # Errors
-    /// As [`Growing::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose has another number of vertices.
-    pub fn new(growing: &Growing<'_>, pose: Vec<Vec3>, options: GrowthOptions, brush: SculptOptions) -> Result<Self> {
+    /// As [`Growing::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose has
+    /// another number of vertices.
+    pub fn new(
+        growing: &Growing<'_>,
+        pose: Vec<Vec3>,
+        options: GrowthOptions,
+        brush: SculptOptions,
+    ) -> Result<Self> {
         growing.check()?;
         if !growing.maps.bands.is_empty() {
-            return Err(Error::value("growth.band", "a brush does not move bands as one; freeze them, or grow the whole"));
+            return Err(Error::value(
+                "growth.band",
+                "a brush does not move bands as one; freeze them, or grow the whole",
+            ));
         }
         let n = growing.start.len();
         if pose.len() != n {
-            return Err(Error::mesh("sculpture", format!("the pose has {} vertices and the surface {n}; give the surface's", pose.len())));
+            return Err(Error::mesh(
+                "sculpture",
+                format!(
+                    "the pose has {} vertices and the surface {n}; give the surface's",
+                    pose.len()
+                ),
+            ));
         }
         let surface = RestMetric::from_shape("sculpture", growing.start, &growing.topology.faces)?;
         let (area_m2, rough) = areas_and_imperfections(growing, &surface, options.seed)?;
@@ -225,9 +245,11 @@ impl Sculpture {
         }
     }
 
-    /// Touches the surface with a brush and lets what lies around follow. Returns what was overwritten, to [`Sculpture::restore`] it.
+    /// Touches the surface with a brush and lets what lies around follow. Returns what was
+    /// overwritten, to [`Sculpture::restore`] it.
     ///
-    /// Small factors (up to 1.1) give the pattern time to choose itself, as the steps of [`super::grow`] do.
+    /// Small factors (up to 1.1) give the pattern time to choose itself, as the steps of
+    /// [`super::grow`] do.
     ///
     /// # Errors
     /// [`Error::Value`] for a brush that is none, or a painted value out of range; [`Error::Mesh`] if grown sides make no triangle. The
@@ -264,7 +286,8 @@ impl Sculpture {
         self.follow_painted(painted, near, follows_m, begun, found)
     }
 
-    /// Gives each of these vertices (ascending) other values, and lets what lies around follow, as [`Sculpture::dab`] does.
+    /// Gives each of these vertices (ascending) other values, and lets what lies around follow, as
+    /// [`Sculpture::dab`] does.
     ///
     /// # Errors
     /// As [`Sculpture::dab`]; [`Error::Value`] for vertices that are not there or not ascending.
@@ -274,20 +297,33 @@ impl Sculpture {
         if !ascending || values.last().is_some_and(|last| last.0 >= self.pose.len()) {
             return Err(Error::value(
                 "paint",
-                format!("the vertices are none of the {}, or not sorted; give each once, ascending", self.pose.len()),
+                format!(
+                    "the vertices are none of the {}, or not sorted; give each once, ascending",
+                    self.pose.len()
+                ),
             ));
         }
         if values.is_empty() {
             return Ok((Change::default(), SculptReport::default()));
         }
-        let widest = |most: f64, (v, to): &(usize, Painted)| most.max(self.painted[*v].wavelength_m).max(to.wavelength_m);
+        let widest = |most: f64, (v, to): &(usize, Painted)| {
+            most.max(self.painted[*v].wavelength_m).max(to.wavelength_m)
+        };
         let wavelength_m = values.iter().fold(0.0, widest);
         let (margin, follows_m) = (self.brush.margin * wavelength_m, self.follows() * wavelength_m);
         let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
         let seeds = values.iter().map(|entry| entry.0);
-        let near = self.reach.around_all(seeds, |v| around[v].iter().map(|&f| faces[f]), |v| start[v], margin);
+        let near = self.reach.around_all(
+            seeds,
+            |v| around[v].iter().map(|&f| faces[f]),
+            |v| start[v],
+            margin,
+        );
         let found = begun.elapsed().as_secs_f64();
-        let painted = values.iter().map(|&(v, to)| (v, std::mem::replace(&mut self.painted[v], to))).collect();
+        let painted = values
+            .iter()
+            .map(|&(v, to)| (v, std::mem::replace(&mut self.painted[v], to)))
+            .collect();
         self.follow_painted(painted, near, follows_m, begun, found)
     }
 
@@ -296,8 +332,8 @@ impl Sculpture {
         self.brush.near.min(self.brush.margin)
     }
 
-    /// Lets the vertices `near` what was painted follow that are at most `follows_m` (m) away, and wakes all of them; `painted` holds what was
-    /// there before (ascending).
+    /// Lets the vertices `near` what was painted follow that are at most `follows_m` (m) away, and
+    /// wakes all of them; `painted` holds what was there before (ascending).
     fn follow_painted(
         &mut self,
         painted: Vec<(usize, Painted)>,
@@ -307,12 +343,14 @@ impl Sculpture {
         found: f64,
     ) -> Result<(Change, SculptReport)> {
         let ascending = |within_m: f64| {
-            let mut within: Vec<usize> = near.iter().filter(|near| near.1 <= within_m).map(|near| near.0).collect();
+            let mut within: Vec<usize> =
+                near.iter().filter(|near| near.1 <= within_m).map(|near| near.0).collect();
             within.sort_unstable();
             within
         };
         let active = ascending(follows_m);
-        let effort = Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };
+        let effort =
+            Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };
         let (moved, mut report) = match self.follow(&active, effort, &Silent) {
             Ok(followed) => followed,
             Err(error) => {
@@ -322,14 +360,17 @@ impl Sculpture {
         };
         report.touched = painted.len();
         report.seconds[0] = found;
-        let woken: Vec<usize> = ascending(f64::INFINITY).into_iter().filter(|v| self.awake.binary_search(v).is_err()).collect();
+        let woken: Vec<usize> = ascending(f64::INFINITY)
+            .into_iter()
+            .filter(|v| self.awake.binary_search(v).is_err())
+            .collect();
         self.wake(&woken);
         report.seconds[3] = begun.elapsed().as_secs_f64();
         Ok((Change { poses: moved, painted, woken, calmed: Vec::new() }, report))
     }
 
-    /// Brings all that dabs have touched since the last call to rest. If the observer cancels, or the limit of iterations comes first, it
-    /// is not at rest yet and another call goes on.
+    /// Brings all that dabs have touched since the last call to rest. If the observer cancels, or
+    /// the limit of iterations comes first, it is not at rest yet and another call goes on.
     ///
     /// # Errors
     /// [`Error::Numeric`] if there is no finite energy; the sculpture then is as before.
@@ -342,13 +383,15 @@ impl Sculpture {
         let followed = self.follow(&active, Effort::exact(&self.options), observer);
         self.awake = active;
         let (poses, mut report) = followed?;
-        let resting = report.step.as_ref().is_none_or(|step| step.residual <= self.options.tolerance);
+        let resting =
+            report.step.as_ref().is_none_or(|step| step.residual <= self.options.tolerance);
         let calmed = if resting { std::mem::take(&mut self.awake) } else { Vec::new() };
         report.seconds[3] = begun.elapsed().as_secs_f64();
         Ok((Change { poses, calmed, ..Change::default() }, report))
     }
 
-    /// Undoes `change`, which must be the last that was not undone, to the bit. Returns what restores it again.
+    /// Undoes `change`, which must be the last that was not undone, to the bit. Returns what
+    /// restores it again.
     pub fn restore(&mut self, change: Change) -> Change {
         let Change { mut poses, mut painted, woken, calmed } = change;
         poses.iter_mut().for_each(|(v, pose)| std::mem::swap(pose, &mut self.pose[*v]));
@@ -364,14 +407,24 @@ impl Sculpture {
         self.awake.sort_unstable();
     }
 
-    /// Solves for the `active` (ascending) vertices and returns the old poses (m) of those that moved.
-    fn follow(&mut self, active: &[usize], effort: Effort, observer: &dyn Observer) -> Result<(Vec<(usize, Vec3)>, SculptReport)> {
+    /// Solves for the `active` (ascending) vertices and returns the old poses (m) of those that
+    /// moved.
+    fn follow(
+        &mut self,
+        active: &[usize],
+        effort: Effort,
+        observer: &dyn Observer,
+    ) -> Result<(Vec<(usize, Vec3)>, SculptReport)> {
         let begun = Instant::now();
         let mut number = std::mem::take(&mut self.number);
         let region = Region::new(self, active, &mut number);
         self.number = number;
         let region = region?;
-        let mut report = SculptReport { active: active.len(), solved: region.vertices.len(), ..SculptReport::default() };
+        let mut report = SculptReport {
+            active: active.len(),
+            solved: region.vertices.len(),
+            ..SculptReport::default()
+        };
         let cut = begun.elapsed().as_secs_f64();
         let mut pose = region.pose.clone();
         if active.iter().any(|&v| self.painted[v].frozen != [true; 3]) {
@@ -385,7 +438,15 @@ impl Sculpture {
                 rough: &region.of(&self.rough),
                 scale: self.scale,
             };
-            let step = settle_part(&growing, 1.0, effort, &self.options, Some(&within), &mut pose, observer)?;
+            let step = settle_part(
+                &growing,
+                1.0,
+                effort,
+                &self.options,
+                Some(&within),
+                &mut pose,
+                observer,
+            )?;
             if step.iterations == 0 {
                 // Unknowns are scaled; what did not move keeps its bits.
                 pose.clone_from(&region.pose);

@@ -1,4 +1,5 @@
-//! A piece of the surface that is solved alone: active vertices, and around them as much as their energy terms reach.
+//! A piece of the surface that is solved alone: active vertices, and around them as much as their
+//! energy terms reach.
 
 use super::{Sculpture, maps_of};
 use crate::Result;
@@ -24,8 +25,9 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// The piece around the `active` vertices of `whole`. A row of bending reaches one ring of faces around its vertex, and the rows that
-    /// touch an active vertex are its own and its neighbours'; so faces around both make all of these terms exact.
+    /// The piece around the `active` vertices of `whole`. A row of bending reaches one ring of
+    /// faces around its vertex, and the rows that touch an active vertex are its own and its
+    /// neighbours'; so faces around both make all of these terms exact.
     ///
     /// `number` (`[V]`, all [`NONE`]) is room to count in; it is left as it was.
     pub(super) fn new(whole: &Sculpture, active: &[usize], number: &mut [usize]) -> Result<Self> {
@@ -42,7 +44,8 @@ impl Region {
         };
         let inner = grow(active, number);
         let outer = grow(&inner, number);
-        let mut chosen: Vec<usize> = inner.iter().flat_map(|&v| whole.around[v].iter().copied()).collect();
+        let mut chosen: Vec<usize> =
+            inner.iter().flat_map(|&v| whole.around[v].iter().copied()).collect();
         chosen.sort_unstable();
         chosen.dedup();
         let mut vertices = [inner, outer].concat();

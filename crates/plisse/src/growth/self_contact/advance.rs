@@ -1,5 +1,6 @@
-//! How far parts of a surface may move before they meet: conservative advancement on distances, which lets nothing through, however
-//! thin (Li, Kaufman & Jiang 2021, *Codimensional Incremental Potential Contact*, section 5).
+//! How far parts of a surface may move before they meet: conservative advancement on distances,
+//! which lets nothing through, however thin (Li, Kaufman & Jiang 2021, *Codimensional Incremental
+//! Potential Contact*, section 5).
 
 use super::near::Pair;
 use crate::mesh::Vec3;
@@ -66,11 +67,14 @@ mod tests {
         assert!(near.part == 1.0 && near.least_distance <= 0.5);
     }
 
-    /// Two random triangles, moved as far as all their pairs allow, never cross; with twice the move some do.
+    /// Two random triangles, moved as far as all their pairs allow, never cross; with twice the
+    /// move some do.
     #[test]
     fn no_triangles_get_through_each_other() {
         let mut random = Random(8);
-        let mut place = |size: f64| Vec3::new(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5) * size;
+        let mut place = |size: f64| {
+            Vec3::new(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5) * size
+        };
         let faces = [[0, 1, 2], [3, 4, 5]];
         let mut pairs = Vec::new();
         for k in 0..3 {
@@ -85,10 +89,14 @@ mod tests {
             if !crossing_pairs(&faces, &x).is_empty() {
                 continue;
             }
-            let of = |pair: &Pair| advance(pair, pair.vertices().map(|v| x[v]), pair.vertices().map(|v| moves[v])).part;
+            let of = |pair: &Pair| {
+                advance(pair, pair.vertices().map(|v| x[v]), pair.vertices().map(|v| moves[v])).part
+            };
             let part = pairs.iter().map(of).fold(1.0, f64::min);
             met += usize::from(part < 1.0);
-            let at = |share: f64| -> Vec<Vec3> { x.iter().zip(&moves).map(|(p, m)| p + m * (part * share)).collect() };
+            let at = |share: f64| -> Vec<Vec3> {
+                x.iter().zip(&moves).map(|(p, m)| p + m * (part * share)).collect()
+            };
             for n in 1..=20 {
                 assert!(crossing_pairs(&faces, &at(f64::from(n) / 20.0)).is_empty());
             }

@@ -1,5 +1,6 @@
-//! How near two parts of a surface are: a vertex and a face, or two edges. The distance is d = |Σ wₖxₖ|, and because it is the
-//! smallest one, its derivative is that at fixed weights: ∂d/∂xₖ = wₖn.
+//! How near two parts of a surface are: a vertex and a face, or two edges. The distance is d = |Σ
+//! wₖxₖ|, and because it is the smallest one, its derivative is that at fixed weights: ∂d/∂xₖ =
+//! wₖn.
 
 use crate::mesh::Vec3;
 
@@ -52,13 +53,15 @@ impl Pair {
             }
         };
         // From differences, so that places far from the origin lose nothing.
-        let join = (x[1] - x[0]) * weights[1] + (x[2] - x[0]) * weights[2] + (x[3] - x[0]) * weights[3];
+        let join =
+            (x[1] - x[0]) * weights[1] + (x[2] - x[0]) * weights[2] + (x[3] - x[0]) * weights[3];
         let distance = join.norm();
         Near { distance, weights, normal: join.try_normalize(0.0).unwrap_or_default() }
     }
 }
 
-/// Barycentric coordinates of the point of a triangle nearest to `p`, by the region that `p` lies in.
+/// Barycentric coordinates of the point of a triangle nearest to `p`, by the region that `p` lies
+/// in.
 fn closest_on_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> [f64; 3] {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(&ap), ac.dot(&ap));
@@ -149,9 +152,14 @@ mod tests {
                     }
                 }
             }
-            for (pair, least) in [Pair::VertexFace([0, 1, 2, 3]), Pair::Edges([0, 1, 2, 3])].into_iter().zip(least) {
+            for (pair, least) in
+                [Pair::VertexFace([0, 1, 2, 3]), Pair::Edges([0, 1, 2, 3])].into_iter().zip(least)
+            {
                 let near = pair.near(x);
-                assert!(near.distance <= least + 1e-12 && near.distance > least - 0.03, "{near:?} {least}");
+                assert!(
+                    near.distance <= least + 1e-12 && near.distance > least - 0.03,
+                    "{near:?} {least}"
+                );
                 let join: Vec3 = x.iter().zip(near.weights).map(|(x, w)| x * w).sum();
                 assert!((join - near.normal * near.distance).norm() < 1e-12);
             }
@@ -165,9 +173,15 @@ mod tests {
             for _ in 0..20 {
                 let x = random_places(&mut random);
                 let flat: Vec<f64> = x.iter().flat_map(|p| p.iter().copied()).collect();
-                let at = |y: &[f64]| pair.near(std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]))).distance;
+                let at = |y: &[f64]| {
+                    pair.near(std::array::from_fn(|k| {
+                        Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2])
+                    }))
+                    .distance
+                };
                 let near = pair.near(x);
-                let gradient: Vec<f64> = (0..12).map(|i| near.weights[i / 3] * near.normal[i % 3]).collect();
+                let gradient: Vec<f64> =
+                    (0..12).map(|i| near.weights[i / 3] * near.normal[i % 3]).collect();
                 let e = gradient_error(&flat, 0.01, &gradient, at);
                 assert!(e < 1e-5, "{pair:?} {e:e}");
             }
@@ -182,6 +196,8 @@ mod tests {
         assert_eq!(edges.near([o, o, y, y + x]).distance, 1.0);
         assert_eq!(edges.near([y, y + x, o, o]).distance, 1.0);
         assert_eq!(edges.near([o, x, y, y + x]).distance, 1.0);
-        assert!((edges.near([o, x, 2.0 * x + y, 3.0 * x + y]).distance - 2.0_f64.sqrt()).abs() < 1e-15);
+        assert!(
+            (edges.near([o, x, 2.0 * x + y, 3.0 * x + y]).distance - 2.0_f64.sqrt()).abs() < 1e-15
+        );
     }
 }

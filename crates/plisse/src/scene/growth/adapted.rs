@@ -18,9 +18,12 @@ use crate::shell::Clamps;
 /// The options of `table` for a scene that starts with this mesh.
 pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> AdaptOptions {
     let lengths: f64 = topology.edges.iter().map(|&[i, j]| (start[j] - start[i]).norm()).sum();
-    let mut options = AdaptOptions::new(table.longest_m.unwrap_or(lengths / topology.edge_count() as f64));
+    let mut options =
+        AdaptOptions::new(table.longest_m.unwrap_or(lengths / topology.edge_count() as f64));
     options.edges_per_wave = table.edges_per_wave.unwrap_or(options.edges_per_wave);
-    options.finish_edges_per_wave = table.finish_edges_per_wave.unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
+    options.finish_edges_per_wave = table
+        .finish_edges_per_wave
+        .unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
     options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
     options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
     if table.round_start == Some(true) {
@@ -30,8 +33,9 @@ pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) 
 }
 
 impl BuiltGrowth {
-    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: places (m) in the panels, each panel apart from
-    /// the others, or else texture places; none for a mesh that has neither.
+    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: places
+    /// (m) in the panels, each panel apart from the others, or else texture places; none for a mesh
+    /// that has neither.
     pub fn chart(&self) -> Option<Vec<[Vec2; 3]>> {
         let built = &self.built;
         let Some((_, apart)) = self.plane() else {
@@ -40,7 +44,10 @@ impl BuiltGrowth {
         };
         let mut chart: Vec<[Vec2; 3]> = self.panel_places().collect();
         for (p, panel) in built.panels.iter().enumerate() {
-            chart[panel.faces.clone()].iter_mut().flatten().for_each(|place| place.x += p as f64 * apart);
+            chart[panel.faces.clone()]
+                .iter_mut()
+                .flatten()
+                .for_each(|place| place.x += p as f64 * apart);
         }
         Some(chart)
     }
@@ -54,26 +61,29 @@ impl BuiltGrowth {
         })
     }
 
-    /// Middle (m) along x of all panels, each from its own origin, and how far apart (m) the chart lays them; none for a mesh that came with
-    /// a texture or is not flat.
+    /// Middle (m) along x of all panels, each from its own origin, and how far apart (m) the chart
+    /// lays them; none for a mesh that came with a texture or is not flat.
     fn plane(&self) -> Option<(f64, f64)> {
         if self.chart.is_none() {
             let places = &self.built.rest_positions;
             let first = *places.first()?;
-            let (low, high) = places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+            let (low, high) =
+                places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
             let size = high - low;
             if self.built.texture.is_some() || size.z > 1e-9 * size.x.max(size.y) {
                 return None;
             }
         }
         let along = self.panel_places().flatten().map(|p| p.x);
-        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) = along
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
         // A power of two, so that little is lost by adding it.
         (high > low).then(|| (0.5 * (low + high), (4.0 * (high - low)).log2().ceil().exp2()))
     }
 
-    /// This scene on the mesh of `surface`, which has grown from it with [`BuiltGrowth::chart`]; the pose (`[V]`, m) and the rest metric that
-    /// was asked. Faces are in the order of the panels again.
+    /// This scene on the mesh of `surface`, which has grown from it with [`BuiltGrowth::chart`];
+    /// the pose (`[V]`, m) and the rest metric that was asked. Faces are in the order of the panels
+    /// again.
     ///
     /// # Errors
     /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which folds are counted reaches beyond it.
@@ -94,8 +104,12 @@ impl BuiltGrowth {
         let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
         let asked = surface.maps.expansion.act_on(&topology, &surface.start, &rest)?;
 
-        let mut panels: Vec<BuiltPanel> =
-            self.built.panels.iter().map(|panel| BuiltPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 }).collect();
+        let mut panels: Vec<BuiltPanel> = self
+            .built
+            .panels
+            .iter()
+            .map(|panel| BuiltPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 })
+            .collect();
         let (mut places, mut corners) = (Vec::new(), Vec::new());
         if let Some(corner_places) = corner_places {
             let mut known = BTreeMap::new();
@@ -104,22 +118,34 @@ impl BuiltGrowth {
                 let shift = by_panel.map_or(0.0, |(_, apart)| panel as f64 * apart);
                 corners.push([0, 1, 2].map(|k| {
                     let place = corner_places[f][k];
-                    *known.entry((panel, surface.topology.faces[f][k], place.x.to_bits(), place.y.to_bits())).or_insert_with(|| {
-                        places.push(Vec2::new(place.x - shift, place.y));
-                        places.len() - 1
-                    })
+                    *known
+                        .entry((
+                            panel,
+                            surface.topology.faces[f][k],
+                            place.x.to_bits(),
+                            place.y.to_bits(),
+                        ))
+                        .or_insert_with(|| {
+                            places.push(Vec2::new(place.x - shift, place.y));
+                            places.len() - 1
+                        })
                 }));
                 if let Some(panel) = panels.get_mut(panel) {
-                    panel.faces = (if panel.faces.is_empty() { n } else { panel.faces.start })..n + 1;
-                    let first =
-                        if panel.rest_vertices.is_empty() { corners[n].into_iter().min().unwrap_or(0) } else { panel.rest_vertices.start };
+                    panel.faces =
+                        (if panel.faces.is_empty() { n } else { panel.faces.start })..n + 1;
+                    let first = if panel.rest_vertices.is_empty() {
+                        corners[n].into_iter().min().unwrap_or(0)
+                    } else {
+                        panel.rest_vertices.start
+                    };
                     panel.rest_vertices = first..places.len();
                 }
             }
         }
         let mut chart = None;
         let (rest_positions, rest_faces, texture) = if corners.is_empty() || by_panel.is_none() {
-            let texture = (self.built.texture.is_some() && !corners.is_empty()).then_some((places, corners));
+            let texture =
+                (self.built.texture.is_some() && !corners.is_empty()).then_some((places, corners));
             (surface.start.clone(), topology.faces.clone(), texture)
         } else if self.chart.is_some() {
             let texture = (side_by_side(&places, &corners), corners.clone());

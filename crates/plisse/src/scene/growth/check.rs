@@ -2,7 +2,8 @@
 
 use super::maps::procedure;
 use super::schema::{
-    AxisKind, BandTable, CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable, MapKind, MapTable, ProcedureTable,
+    AxisKind, BandTable, CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable,
+    MapKind, MapTable, ProcedureTable,
 };
 use crate::scene::check::{direction, in_reach, not_blank, positive, within};
 use crate::scene::garment::not_blank_path;
@@ -15,15 +16,21 @@ const MOST_STEPS: usize = 10_000;
 
 pub(in crate::scene) fn check(scene: &Scene, table: &GrowthTable) -> Result<()> {
     if table.expansion.is_empty() {
-        return Err(Error::value("growth.expansion", "nothing says how much it grows; add a [[growth.expansion]] with a factor"));
+        return Err(Error::value(
+            "growth.expansion",
+            "nothing says how much it grows; add a [[growth.expansion]] with a factor",
+        ));
     }
     for (i, expansion) in table.expansion.iter().enumerate() {
         check_expansion(scene, &format!("growth.expansion[{i}]"), expansion)?;
     }
     check_map(scene, "growth.wavelength_m", &table.wavelength_m)?;
-    for (name, map) in
-        [("coherence_m", &table.coherence_m), ("bias", &table.bias), ("stickiness", &table.stickiness), ("hold", &table.hold)]
-    {
+    for (name, map) in [
+        ("coherence_m", &table.coherence_m),
+        ("bias", &table.bias),
+        ("stickiness", &table.stickiness),
+        ("hold", &table.hold),
+    ] {
         if let Some(map) = map {
             check_map(scene, &format!("growth.{name}"), map)?;
         }
@@ -37,18 +44,29 @@ pub(in crate::scene) fn check(scene: &Scene, table: &GrowthTable) -> Result<()> 
     for (i, count) in table.count.iter().enumerate() {
         check_count(scene, &format!("growth.count[{i}]"), count)?;
         if let Some(j) = table.count[..i].iter().position(|other| other.name == count.name) {
-            let message = format!("growth.count[{j}] is called \"{}\", too; give each a name of its own", count.name);
+            let message = format!(
+                "growth.count[{j}] is called \"{}\", too; give each a name of its own",
+                count.name
+            );
             return Err(Error::value(format!("growth.count[{i}].name"), message));
         }
     }
     within("growth.steps", table.steps, 1, MOST_STEPS)?;
     within("growth.iteration_limit", table.iteration_limit, 1, 1_000_000)?;
-    within("growth.remesh.finish_iterations", table.remesh.as_ref().and_then(|remesh| remesh.finish_iterations), 1, 1_000_000)?;
+    within(
+        "growth.remesh.finish_iterations",
+        table.remesh.as_ref().and_then(|remesh| remesh.finish_iterations),
+        1,
+        1_000_000,
+    )?;
     for (name, value) in [("plasticity", table.plasticity), ("imperfection", table.imperfection)] {
         if let Some(value) = value
             && !(0.0..=1.0).contains(&value)
         {
-            return Err(Error::value(format!("growth.{name}"), format!("{value} is no share; give a number from 0 to 1")));
+            return Err(Error::value(
+                format!("growth.{name}"),
+                format!("{value} is no share; give a number from 0 to 1"),
+            ));
         }
     }
     Ok(())
@@ -78,27 +96,45 @@ fn check_expansion(scene: &Scene, place: &str, table: &ExpansionTable) -> Result
                     }
                 }
                 (AxisKind::Attribute, ..) => {
-                    let message = "this kind needs names, and no axis; give the three attributes that are the direction's x, y and z";
+                    let message = "this kind needs names, and no axis; give the three attributes \
+                        that are the direction's x, y and z";
                     return Err(Error::value(format!("{place}.direction"), message));
                 }
                 (_, Some(axis), None) => {
                     direction(&format!("{place}.direction.axis"), axis)?;
                 }
-                _ => return Err(Error::value(format!("{place}.direction"), "this kind needs an axis, and no names; give [x, y, z]")),
+                _ => {
+                    return Err(Error::value(
+                        format!("{place}.direction"),
+                        "this kind needs an axis, and no names; give [x, y, z]",
+                    ));
+                }
             }
         }
         None if table.across.is_some() || table.tensor.is_some() => {
-            return Err(Error::value(format!("{place}.direction"), "this is missing; say along which direction, or give a factor only"));
+            return Err(Error::value(
+                format!("{place}.direction"),
+                "this is missing; say along which direction, or give a factor only",
+            ));
         }
         None => {}
     }
     match (&table.factor, &table.tensor) {
-        (None, None) => Err(Error::value(format!("{place}.factor"), "this is missing; give a factor of length, or a tensor")),
-        (Some(_), Some(_)) => Err(Error::value(format!("{place}.tensor"), "the factor says how much it grows already; remove one of them")),
-        (None, Some(_)) if table.across.is_some() => {
-            Err(Error::value(format!("{place}.across"), "the tensor says how much it grows across already; remove one of them"))
+        (None, None) => Err(Error::value(
+            format!("{place}.factor"),
+            "this is missing; give a factor of length, or a tensor",
+        )),
+        (Some(_), Some(_)) => Err(Error::value(
+            format!("{place}.tensor"),
+            "the factor says how much it grows already; remove one of them",
+        )),
+        (None, Some(_)) if table.across.is_some() => Err(Error::value(
+            format!("{place}.across"),
+            "the tensor says how much it grows across already; remove one of them",
+        )),
+        (_, Some(tensor)) => {
+            tensor.iter().try_for_each(|map| check_map(scene, &format!("{place}.tensor"), map))
         }
-        (_, Some(tensor)) => tensor.iter().try_for_each(|map| check_map(scene, &format!("{place}.tensor"), map)),
         _ => Ok(()),
     }
 }
@@ -107,19 +143,33 @@ fn check_freeze(scene: &Scene, place: &str, table: &FreezeTable) -> Result<()> {
     check_axes(place, &table.axes)?;
     let others = table.side.is_some() || table.near_m.is_some() || table.within_m.is_some();
     match &table.map {
-        Some(_) if others => Err(Error::value(place, "this says where in several ways; keep one of side, near_m, within_m and map")),
+        Some(_) if others => Err(Error::value(
+            place,
+            "this says where in several ways; keep one of side, near_m, within_m and map",
+        )),
         Some(map) => check_map(scene, &format!("{place}.map"), map),
-        None if !others => Err(Error::value(place, "this does not say where; give one of side, near_m, within_m and map")),
-        None => Grip::new(place, table.side.as_deref(), table.near_m, table.within_m)?.check(scene, place),
+        None if !others => Err(Error::value(
+            place,
+            "this does not say where; give one of side, near_m, within_m and map",
+        )),
+        None => Grip::new(place, table.side.as_deref(), table.near_m, table.within_m)?
+            .check(scene, place),
     }
 }
 
 fn check_band(scene: &Scene, place: &str, table: &BandTable) -> Result<()> {
     match (&table.map, table.side.is_some() || table.within_m.is_some()) {
-        (Some(_), true) => Err(Error::value(place, "this says where in several ways; keep one of side, within_m and map")),
+        (Some(_), true) => Err(Error::value(
+            place,
+            "this says where in several ways; keep one of side, within_m and map",
+        )),
         (Some(map), false) => check_map(scene, &format!("{place}.map"), map),
-        (None, false) => Err(Error::value(place, "this does not say where; give one of side, within_m and map")),
-        (None, true) => Grip::new(place, table.side.as_deref(), None, table.within_m)?.check(scene, place),
+        (None, false) => {
+            Err(Error::value(place, "this does not say where; give one of side, within_m and map"))
+        }
+        (None, true) => {
+            Grip::new(place, table.side.as_deref(), None, table.within_m)?.check(scene, place)
+        }
     }
 }
 
@@ -131,20 +181,30 @@ fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
     let ring = table.centre_m.is_some() || table.radius_m.is_some() || table.width_m.is_some();
     match (ring, table.low_m, table.high_m) {
         (false, None, None) if panel.shape.closed() => Ok(()),
-        (true, ..) if panel.shape.closed() => {
-            Err(Error::value(place, "a closed panel has no rings in a plane; give low_m and high_m, or neither for all around it"))
-        }
+        (true, ..) if panel.shape.closed() => Err(Error::value(
+            place,
+            "a closed panel has no rings in a plane; give low_m and high_m, or neither for all \
+             around it",
+        )),
         (false, Some(low), Some(high)) => {
             in_reach(&format!("{place}.low_m"), &low)?;
             in_reach(&format!("{place}.high_m"), &high)?;
             if (0..2).any(|axis| low[axis] >= high[axis]) {
-                return Err(Error::value(format!("{place}.high_m"), "it is not above and right of low_m; give the upper right corner"));
+                return Err(Error::value(
+                    format!("{place}.high_m"),
+                    "it is not above and right of low_m; give the upper right corner",
+                ));
             }
             Ok(())
         }
         (true, None, None) => {
-            let (Some(centre), Some(radius), Some(width)) = (table.centre_m, table.radius_m, table.width_m) else {
-                return Err(Error::value(place, "a ring needs centre_m, radius_m and width_m; give all three"));
+            let (Some(centre), Some(radius), Some(width)) =
+                (table.centre_m, table.radius_m, table.width_m)
+            else {
+                return Err(Error::value(
+                    place,
+                    "a ring needs centre_m, radius_m and width_m; give all three",
+                ));
             };
             in_reach(&format!("{place}.centre_m"), &centre)?;
             positive(&format!("{place}.radius_m"), radius)?;
@@ -155,13 +215,17 @@ fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
                 ));
             }
             if table.along.is_some() {
-                return Err(Error::value(format!("{place}.along"), "on a ring folds are counted around it; remove this"));
+                return Err(Error::value(
+                    format!("{place}.along"),
+                    "on a ring folds are counted around it; remove this",
+                ));
             }
             Ok(())
         }
         _ => Err(Error::value(
             place,
-            "this does not say where; give low_m and high_m for a rectangle, or centre_m, radius_m and width_m for a ring",
+            "this does not say where; give low_m and high_m for a rectangle, or centre_m, radius_m \
+             and width_m for a ring",
         )),
     }
 }
@@ -173,7 +237,8 @@ fn check_map(scene: &Scene, place: &str, map: &MapTable) -> Result<()> {
             check_fields(place, table)?;
             in_reach(&format!("{place}.low"), &[table.low])?;
             in_reach(&format!("{place}.high"), &[table.high])?;
-            let points = [("from_m", &table.from_m), ("to_m", &table.to_m), ("centre_m", &table.centre_m)];
+            let points =
+                [("from_m", &table.from_m), ("to_m", &table.to_m), ("centre_m", &table.centre_m)];
             for (name, point) in points {
                 in_reach(&format!("{place}.{name}"), point.as_ref().map_or(&[][..], |p| &p[..]))?;
             }
@@ -186,11 +251,18 @@ fn check_map(scene: &Scene, place: &str, map: &MapTable) -> Result<()> {
             if let Some(shares) = &table.shares {
                 let count = scene.panel.len();
                 if shares.len() != count {
-                    let message = format!("it has {} values for {count} panels; give one for each, in the scene's order", shares.len());
+                    let message = format!(
+                        "it has {} values for {count} panels; give one for each, in the scene's \
+                         order",
+                        shares.len()
+                    );
                     return Err(Error::value(format!("{place}.shares"), message));
                 }
                 if let Some(share) = shares.iter().find(|share| !(0.0..=1.0).contains(*share)) {
-                    return Err(Error::value(format!("{place}.shares"), format!("{share} is no share; give numbers from 0 to 1")));
+                    return Err(Error::value(
+                        format!("{place}.shares"),
+                        format!("{share} is no share; give numbers from 0 to 1"),
+                    ));
                 }
             }
             procedure(table).map_or(Ok(()), |procedure| procedure.check(place))
@@ -222,11 +294,16 @@ fn check_fields(place: &str, t: &ProcedureTable) -> Result<()> {
     for (name, given, kinds, required) in fields {
         let has = kinds.contains(&t.kind);
         if given && !has {
-            return Err(Error::value(format!("{place}.{name}"), format!("the kind \"{kind}\" has no such field; remove it")));
+            return Err(Error::value(
+                format!("{place}.{name}"),
+                format!("the kind \"{kind}\" has no such field; remove it"),
+            ));
         }
         if has && required && !given {
-            let needed: Vec<&str> = fields.iter().filter(|f| f.3 && f.2.contains(&t.kind)).map(|f| f.0).collect();
-            let message = format!("this is missing; the kind \"{kind}\" needs {}", needed.join(", "));
+            let needed: Vec<&str> =
+                fields.iter().filter(|f| f.3 && f.2.contains(&t.kind)).map(|f| f.0).collect();
+            let message =
+                format!("this is missing; the kind \"{kind}\" needs {}", needed.join(", "));
             return Err(Error::value(format!("{place}.{name}"), message));
         }
     }

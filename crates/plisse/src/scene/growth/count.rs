@@ -39,23 +39,33 @@ pub(super) struct Place {
 }
 
 impl Place {
-    fn relief(&self, faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>, points: usize) -> Result<Relief> {
+    fn relief(
+        &self,
+        faces: impl Iterator<Item = ([Vec2; 3], [f64; 3])>,
+        points: usize,
+    ) -> Result<Relief> {
         let size = [points, POINTS.1];
         let sampled = if self.around { Relief::around } else { Relief::from_corners };
         Ok(Relief { steep: self.closed, ..sampled(faces, &self.window, size)? })
     }
 }
 
-/// After how much (m) a panel's coordinates begin again, and the window that is meant if none is given; nothing for flat panels.
+/// After how much (m) a panel's coordinates begin again, and the window that is meant if none is
+/// given; nothing for flat panels.
 pub(super) type Extent = [Option<[f64; 2]>; 3];
 
 /// The extent of a panel.
 pub(super) fn extent(panel: &PanelTable) -> Extent {
-    let (radius, tube) = (panel.radius_m.unwrap_or_default(), panel.tube_radius_m.unwrap_or_default());
+    let (radius, tube) =
+        (panel.radius_m.unwrap_or_default(), panel.tube_radius_m.unwrap_or_default());
     let round = TAU * radius;
     match panel.shape {
         // A belt along the equator, where spacings are those of the chart.
-        Shape::Sphere => [Some([round, f64::INFINITY]), Some([0.0, -BELT * radius]), Some([round, BELT * radius])],
+        Shape::Sphere => [
+            Some([round, f64::INFINITY]),
+            Some([0.0, -BELT * radius]),
+            Some([round, BELT * radius]),
+        ],
         Shape::Torus => [Some([round, TAU * tube]), Some([0.0, 0.0]), Some([round, TAU * tube])],
         _ => [None; 3],
     }
@@ -68,7 +78,8 @@ pub struct Counted {
     pub name: String,
     /// λ asked for (m), mean over the window.
     pub asked_wavelength_m: f64,
-    /// Spacing of the folds on the starting surface (m), by the peak of their spectrum; none where nothing folds.
+    /// Spacing of the folds on the starting surface (m), by the peak of their spectrum; none where
+    /// nothing folds.
     pub wavelength_m: Option<f64>,
     /// Folds across the window.
     pub folds: Option<f64>,
@@ -90,24 +101,42 @@ pub struct Counted {
 pub(super) fn places(counts: &[CountTable], extents: &[Extent], laid: &Laid) -> Result<Vec<Place>> {
     let mut places = Vec::new();
     for (i, count) in counts.iter().enumerate() {
-        let Some(n) = laid.panels.iter().position(|panel| panel.name == count.panel) else { continue };
+        let Some(n) = laid.panels.iter().position(|panel| panel.name == count.panel) else {
+            continue;
+        };
         let (panel, [periods, low, high]) = (&laid.panels[n], extents[n]);
         let corners = |f: usize| laid.panel_corners(f);
-        let place = match (count.low_m.or(low), count.high_m.or(high), count.centre_m, count.radius_m, count.width_m) {
+        let place = match (
+            count.low_m.or(low),
+            count.high_m.or(high),
+            count.centre_m,
+            count.radius_m,
+            count.width_m,
+        ) {
             (Some(low), Some(high), None, ..) => {
                 let turned = count.along == Some(PanelAxis::Y);
                 let chart = |p: Vec2| if turned { Vec2::new(p.y, p.x) } else { p };
                 let window = Window { low: chart(low.into()), high: chart(high.into()) };
                 let periods = periods.map(|p| chart(p.into()));
-                let around = periods.is_some_and(|p| ((window.high - window.low).x / p.x - 1.0).abs() < WHOLE);
+                let around = periods
+                    .is_some_and(|p| ((window.high - window.low).x / p.x - 1.0).abs() < WHOLE);
                 // Once for each turn by which a closed panel comes again.
-                let turns = |axis: usize| if periods.is_some_and(|p| p[axis].is_finite()) { -1..=1 } else { 0..=0 };
-                let shifts: Vec<Vec2> = turns(1).flat_map(|j| turns(0).map(move |i| Vec2::new(f64::from(i), f64::from(j)))).collect();
+                let turns = |axis: usize| {
+                    if periods.is_some_and(|p| p[axis].is_finite()) { -1..=1 } else { 0..=0 }
+                };
+                let shifts: Vec<Vec2> = turns(1)
+                    .flat_map(|j| turns(0).map(move |i| Vec2::new(f64::from(i), f64::from(j))))
+                    .collect();
                 let mut faces = Vec::with_capacity(shifts.len() * panel.faces.len());
                 for f in panel.faces.clone() {
                     for turn in &shifts {
-                        let by =
-                            Vec2::from_fn(|axis, _| if turn[axis] == 0.0 { 0.0 } else { turn[axis] * periods.map_or(0.0, |p| p[axis]) });
+                        let by = Vec2::from_fn(|axis, _| {
+                            if turn[axis] == 0.0 {
+                                0.0
+                            } else {
+                                turn[axis] * periods.map_or(0.0, |p| p[axis])
+                            }
+                        });
                         faces.push((f, corners(f).map(|p| chart(p) + by)));
                     }
                 }
@@ -115,12 +144,19 @@ pub(super) fn places(counts: &[CountTable], extents: &[Extent], laid: &Laid) -> 
             }
             (_, _, Some(centre), Some(radius), Some(width)) => {
                 let round = TAU * radius;
-                let window = Window { low: Vec2::new(0.0, radius - 0.5 * width), high: Vec2::new(round, radius + 0.5 * width) };
+                let window = Window {
+                    low: Vec2::new(0.0, radius - 0.5 * width),
+                    high: Vec2::new(round, radius + 0.5 * width),
+                };
                 let mut faces = Vec::new();
                 for f in panel.faces.clone() {
-                    let polar = corners(f).map(|p| p - Vec2::from(centre)).map(|d| Vec2::new(d.y.atan2(d.x) * radius, d.norm()));
+                    let polar = corners(f)
+                        .map(|p| p - Vec2::from(centre))
+                        .map(|d| Vec2::new(d.y.atan2(d.x) * radius, d.norm()));
                     // Each face in one piece, and again one turn further on.
-                    let whole = polar.map(|p| Vec2::new(p.x - round * ((p.x - polar[0].x) / round).round(), p.y));
+                    let whole = polar.map(|p| {
+                        Vec2::new(p.x - round * ((p.x - polar[0].x) / round).round(), p.y)
+                    });
                     for turn in [0.0, 1.0] {
                         faces.push((f, whole.map(|p| Vec2::new(p.x + turn * round, p.y))));
                     }
@@ -154,13 +190,21 @@ impl BuiltGrowth {
             let Window { low, high } = place.window;
             let inside = |p: &Vec2| (0..2).all(|axis| (low[axis]..=high[axis]).contains(&p[axis]));
             let mut within = vec![false; topology.face_count()];
-            place.faces.iter().filter(|(_, corners)| corners.iter().all(inside)).for_each(|&(f, _)| within[f] = true);
+            place
+                .faces
+                .iter()
+                .filter(|(_, corners)| corners.iter().all(inside))
+                .for_each(|&(f, _)| within[f] = true);
             let faces: Vec<usize> = (0..within.len()).filter(|&f| within[f]).collect();
-            let waves = faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.maps.wavelength_m[v]);
+            let waves =
+                faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.maps.wavelength_m[v]);
             let asked_wavelength_m = waves.sum::<f64>() / (3 * faces.len()).max(1) as f64;
             let extent = (high - low).x;
             let points = (POINTS.0 * extent / asked_wavelength_m).clamp(SIZES[0], SIZES[1]);
-            let corners = place.faces.iter().map(|&(f, corners)| (corners, topology.faces[f].map(|v| offset[v])));
+            let corners = place
+                .faces
+                .iter()
+                .map(|&(f, corners)| (corners, topology.faces[f].map(|v| offset[v])));
             let relief = place.relief(corners, points as usize)?;
             let folds = relief.folds();
             let got = reached(topology, &self.built.start, asked, pose, &along, |f| within[f]);
@@ -170,7 +214,8 @@ impl BuiltGrowth {
                 wavelength_m: folds.map(|f| f.wavelength_m),
                 folds: folds.map(|f| extent / f.wavelength_m),
                 peak_width: folds.map(|f| f.width),
-                crests_within_10_deg: relief.crests_within(10_f64.to_radians(), 0.5 * asked_wavelength_m),
+                crests_within_10_deg: relief
+                    .crests_within(10_f64.to_radians(), 0.5 * asked_wavelength_m),
                 correlation_m: relief.correlation_m(),
                 roughness_m: relief.roughness_m(),
                 length_reached: got.length,
@@ -180,24 +225,31 @@ impl BuiltGrowth {
         Ok(counted)
     }
 
-    /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if there is no such face.
+    /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if
+    /// there is no such face.
     pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<Reached> {
         let mut banded = vec![false; pose.len()];
         self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);
         let free = |v: usize| self.maps.frozen[v] == [false; 3] && !banded[v];
         let counts = |f: usize| {
             let face = self.built.topology.faces[f];
-            face.into_iter().all(free) && face.into_iter().any(|v| self.maps.expansion.vertices[v].principal().0[0] > GROWS)
+            face.into_iter().all(free)
+                && face
+                    .into_iter()
+                    .any(|v| self.maps.expansion.vertices[v].principal().0[0] > GROWS)
         };
         let any = (0..self.built.topology.face_count()).any(counts);
-        any.then(|| reached(&self.built.topology, &self.built.start, asked, pose, &self.along(), counts))
+        any.then(|| {
+            reached(&self.built.topology, &self.built.start, asked, pose, &self.along(), counts)
+        })
     }
 
     /// `[F]` the direction along which the corner that grows most does.
     fn along(&self) -> Vec<Vec3> {
         let of = |face: &[usize; 3]| {
             let corners = face.map(|v| self.maps.expansion.vertices[v].principal());
-            let most = (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
+            let most =
+                (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
             corners[most].1[0]
         };
         self.built.topology.faces.iter().map(of).collect()

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::schema::{AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable};
+use super::schema::{
+    AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable,
+};
 use crate::bake::islands::side_by_side;
 use crate::growth::{Course, Expansion, Procedure};
 use crate::mesh::{Mat2, Vec2, Vec3};
@@ -16,15 +18,21 @@ pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
     let point = |p: Option<[f64; 3]>| Vec3::from(p.unwrap_or_default());
     let (centre, axis, seed) = (point(table.centre_m), point(table.axis), table.seed.unwrap_or(1));
     let length = |x: Option<f64>| x.unwrap_or_default();
-    let (radius_m, width_m, soft_m, size_m) = (length(table.radius_m), length(table.width_m), length(table.soft_m), length(table.size_m));
+    let (radius_m, width_m, soft_m, size_m) =
+        (length(table.radius_m), length(table.width_m), length(table.soft_m), length(table.size_m));
     Some(match table.kind {
         MapKind::Ramp => Procedure::Ramp { from: point(table.from_m), to: point(table.to_m) },
         MapKind::Band => Procedure::Band { centre, normal: point(table.normal), width_m, soft_m },
         MapKind::Ring => Procedure::Ring { centre, axis, radius_m, width_m, soft_m },
         MapKind::Radial => Procedure::Radial { centre, axis, radius_m },
-        MapKind::Spots => Procedure::Spots { centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(), radius_m },
+        MapKind::Spots => Procedure::Spots {
+            centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(),
+            radius_m,
+        },
         MapKind::Noise => Procedure::Noise { size_m, seed },
-        MapKind::Fractal => Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed },
+        MapKind::Fractal => {
+            Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed }
+        }
         MapKind::Image | MapKind::Panels | MapKind::Attribute => return None,
     })
 }
@@ -40,13 +48,23 @@ pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Re
     }
     let shares = match (&table.file, &table.shares) {
         _ if table.kind == MapKind::Attribute => {
-            attribute(laid, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?.to_vec()
+            attribute(laid, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?
+                .to_vec()
         }
         (Some(file), _) => image_shares(laid, place, &beside(scene, file))?,
         (None, shares) => {
-            let of_panel = |p: usize| shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default();
-            let faces = laid.panels.iter().enumerate().flat_map(|(p, panel)| panel.faces.clone().map(move |f| (f, p)));
-            mean_of_corners(laid, faces.flat_map(|(f, p)| laid.topology.faces[f].map(|v| (v, of_panel(p)))))
+            let of_panel = |p: usize| {
+                shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default()
+            };
+            let faces = laid
+                .panels
+                .iter()
+                .enumerate()
+                .flat_map(|(p, panel)| panel.faces.clone().map(move |f| (f, p)));
+            mean_of_corners(
+                laid,
+                faces.flat_map(|(f, p)| laid.topology.faces[f].map(|v| (v, of_panel(p)))),
+            )
         }
     };
     Ok(shares.into_iter().map(|share| table.low + (table.high - table.low) * share).collect())
@@ -58,12 +76,17 @@ fn attribute<'a>(laid: &'a Laid, field: &str, name: &str) -> Result<&'a [f64]> {
         return Ok(values);
     }
     if laid.attributes.is_empty() {
-        let message =
-            format!("there is no attribute \"{name}\": vertices have none; start from an OBJ with colours or a PLY file with values");
+        let message = format!(
+            "there is no attribute \"{name}\": vertices have none; start from an OBJ with colours \
+             or a PLY file with values"
+        );
         return Err(Error::value(field, message));
     }
     let names: Vec<&str> = laid.attributes.iter().map(|(own, _)| own.as_str()).collect();
-    Err(Error::value(field, format!("the mesh has no attribute \"{name}\"; it has {}", names.join(", "))))
+    Err(Error::value(
+        field,
+        format!("the mesh has no attribute \"{name}\"; it has {}", names.join(", ")),
+    ))
 }
 
 /// `[V]` mean of the values given for each vertex; 0 where there is none.
@@ -76,12 +99,18 @@ fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> V
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
 }
 
-/// `[V]` values (0 to 1) of the first channel of a PNG file, through the texture coordinates; the mean where a seam meets.
+/// `[V]` values (0 to 1) of the first channel of a PNG file, through the texture coordinates; the
+/// mean where a seam meets.
 fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
     let field = format!("{place}.file");
-    let bytes = crate::io::disk::read(path).map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
-    let image = Grey::new(&bytes)
-        .map_err(|what| Error::value(&field, format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display())))?;
+    let bytes = crate::io::disk::read(path)
+        .map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
+    let image = Grey::new(&bytes).map_err(|what| {
+        Error::value(
+            &field,
+            format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display()),
+        )
+    })?;
     let (coordinates, corners) = match &laid.texture {
         Some((coordinates, corners)) => (coordinates.clone(), corners.clone()),
         None if !laid.panels.is_empty() => {
@@ -89,12 +118,16 @@ fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
             (side_by_side(&flat, &laid.rest_faces), laid.rest_faces.clone())
         }
         None => {
-            let message = "the mesh has no texture coordinates (vt), by which the image would lie on it; export them, or use another kind";
+            let message = "the mesh has no texture coordinates (vt), by which the image would lie \
+                on it; export them, or use another kind";
             return Err(Error::value(field, message));
         }
     };
     let each = laid.topology.faces.iter().zip(&corners);
-    Ok(mean_of_corners(laid, each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&coordinates[uv[k]]))))))
+    Ok(mean_of_corners(
+        laid,
+        each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&coordinates[uv[k]])))),
+    ))
 }
 
 /// First channel of an image, 0 to 1 as the numbers stand in the file.
@@ -114,10 +147,18 @@ impl Grey {
         let wide = info.bit_depth == png::BitDepth::Sixteen;
         let step = info.color_type.samples() * if wide { 2 } else { 1 };
         let value = |pixel: &[u8]| {
-            if wide { f64::from(u16::from_be_bytes([pixel[0], pixel[1]])) / 65535.0 } else { f64::from(pixel[0]) / 255.0 }
+            if wide {
+                f64::from(u16::from_be_bytes([pixel[0], pixel[1]])) / 65535.0
+            } else {
+                f64::from(pixel[0]) / 255.0
+            }
         };
         let (width, height) = (info.width as usize, info.height as usize);
-        Ok(Self { width, height, values: data.chunks_exact(step).take(width * height).map(value).collect() })
+        Ok(Self {
+            width,
+            height,
+            values: data.chunks_exact(step).take(width * height).map(value).collect(),
+        })
     }
 
     /// At a texture coordinate (v up), joined linearly between pixel centres, held at the rims.
@@ -127,14 +168,21 @@ impl Grey {
             let low = x.floor();
             (low as usize, (low as usize + 1).min(count - 1), x - low)
         };
-        let ((left, right, s), (top, bottom, t)) = (place(uv.x, self.width), place(1.0 - uv.y, self.height));
-        let row = |y: usize| self.values[y * self.width + left] * (1.0 - s) + self.values[y * self.width + right] * s;
+        let ((left, right, s), (top, bottom, t)) =
+            (place(uv.x, self.width), place(1.0 - uv.y, self.height));
+        let row = |y: usize| {
+            self.values[y * self.width + left] * (1.0 - s) + self.values[y * self.width + right] * s
+        };
         row(top) * (1.0 - t) + row(bottom) * t
     }
 }
 
 /// All expansions of the scene, one after the other.
-pub(in crate::scene) fn expansion(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Expansion> {
+pub(in crate::scene) fn expansion(
+    scene: &Scene,
+    table: &GrowthTable,
+    laid: &Laid,
+) -> Result<Expansion> {
     let mut whole = Expansion::none(&laid.topology, &laid.start)?;
     for (i, one) in table.expansion.iter().enumerate() {
         whole = whole.then(&single(scene, laid, &format!("growth.expansion[{i}]"), one)?);
@@ -144,7 +192,11 @@ pub(in crate::scene) fn expansion(scene: &Scene, table: &GrowthTable, laid: &Lai
 
 fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Result<Expansion> {
     let n = laid.start.len();
-    let within = match table.panel.as_ref().and_then(|name| laid.panels.iter().find(|panel| panel.name == *name)) {
+    let within = match table
+        .panel
+        .as_ref()
+        .and_then(|name| laid.panels.iter().find(|panel| panel.name == *name))
+    {
         Some(panel) => {
             let mut within = vec![false; n];
             panel.faces.clone().flat_map(|f| laid.topology.faces[f]).for_each(|v| within[v] = true);
@@ -153,7 +205,9 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
         None => vec![true; n],
     };
     let factors = |name: &str, table: &Option<MapTable>| {
-        table.as_ref().map_or(Ok(vec![1.0; n]), |table| map(scene, laid, &format!("{place}.{name}"), table))
+        table
+            .as_ref()
+            .map_or(Ok(vec![1.0; n]), |table| map(scene, laid, &format!("{place}.{name}"), table))
     };
     let mut factor = factors("factor", &table.factor)?;
     let mut across = factors("across", &table.across)?;
@@ -166,7 +220,11 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
     };
     let directions = directions(laid, place, direction)?;
     let tensor: Option<Vec<Vec<f64>>> = match &table.tensor {
-        Some(maps) => Some(maps.iter().map(|own| map(scene, laid, &format!("{place}.tensor"), own)).collect::<Result<_>>()?),
+        Some(maps) => Some(
+            maps.iter()
+                .map(|own| map(scene, laid, &format!("{place}.tensor"), own))
+                .collect::<Result<_>>()?,
+        ),
         None => None,
     };
     let form = |v: usize| match &tensor {
@@ -184,7 +242,8 @@ fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Ve
     let course = match table {
         DirectionTable::Fixed(direction) => Course::Fixed(Vec3::from(*direction)),
         DirectionTable::Axis(table) => {
-            let (centre, axis) = (Vec3::from(table.centre_m), Vec3::from(table.axis.unwrap_or_default()));
+            let (centre, axis) =
+                (Vec3::from(table.centre_m), Vec3::from(table.axis.unwrap_or_default()));
             match table.kind {
                 AxisKind::Around => Course::Around { centre, axis },
                 AxisKind::Outward => Course::Outward { centre, axis },

@@ -1,4 +1,5 @@
-//! `[growth]`: what a scene file may say about growth. Types and defaults; `check` says what the types cannot.
+//! `[growth]`: what a scene file may say about growth. Types and defaults; `check` says what the
+//! types cannot.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -66,7 +67,8 @@ pub struct RemeshTable {
     pub most_vertices: Option<usize>,
     /// Newton iterations at most on each of the finer meshes at the end; none: 20.
     pub finish_iterations: Option<usize>,
-    /// Whether new vertices of a curved starting surface lie on its curve; none: they lie on the given faces.
+    /// Whether new vertices of a curved starting surface lie on its curve; none: they lie on the
+    /// given faces.
     pub round_start: Option<bool>,
 }
 
@@ -130,7 +132,8 @@ pub struct BandTable {
     pub map: Option<MapTable>,
 }
 
-/// `[[growth.count]]`: a rectangle of a panel, or a ring of one; of a closed panel that gives neither, all around it.
+/// `[[growth.count]]`: a rectangle of a panel, or a ring of one; of a closed panel that gives
+/// neither, all around it.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CountTable {
@@ -299,7 +302,8 @@ impl<'de> Deserialize<'de> for MapTable {
             }
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MapTable, A::Error> {
-                ProcedureTable::deserialize(MapAccessDeserializer::new(map)).map(|table| MapTable::Procedure(Box::new(table)))
+                ProcedureTable::deserialize(MapAccessDeserializer::new(map))
+                    .map(|table| MapTable::Procedure(Box::new(table)))
             }
         }
         deserializer.deserialize_any(NumberOrTable)

@@ -36,7 +36,8 @@ pub(super) fn kept(sheet: &Sheet) -> Kept {
     }
     let frozen = |f: &usize| sheet.faces[*f].iter().all(|&v| sheet.frozen[v] == [true; 3]);
     Kept {
-        euler: topology.vertex_count as isize - topology.edge_count() as isize + topology.face_count() as isize,
+        euler: topology.vertex_count as isize - topology.edge_count() as isize
+            + topology.face_count() as isize,
         area: sheet.rest.iter().map(|f| f.area_m2).sum(),
         boundary,
         seams,
@@ -52,10 +53,13 @@ pub(super) fn same_kind(sheet: &Sheet, before: &Kept) -> Result<(), String> {
         return Err(format!("vertex {v} has two fans"));
     }
     let now = kept(sheet);
-    (now.euler == before.euler).then_some(()).ok_or_else(|| format!("Euler characteristic {} was {}", now.euler, before.euler))
+    (now.euler == before.euler)
+        .then_some(())
+        .ok_or_else(|| format!("Euler characteristic {} was {}", now.euler, before.euler))
 }
 
-/// No face is turned over: all are on the side that `outward` (of the middle of a face) points to, and have area at rest.
+/// No face is turned over: all are on the side that `outward` (of the middle of a face) points to,
+/// and have area at rest.
 pub(super) fn upright(sheet: &Sheet, outward: impl Fn(&Vec3) -> Vec3) -> Result<(), String> {
     for (f, face) in sheet.faces.iter().enumerate() {
         for places in [&sheet.positions, &sheet.start] {
@@ -71,17 +75,23 @@ pub(super) fn upright(sheet: &Sheet, outward: impl Fn(&Vec3) -> Vec3) -> Result<
     Ok(())
 }
 
-/// Rest area but for `change` (m²), boundary, seams and frozen regions to 1e-12; both sides of each edge equally long.
+/// Rest area but for `change` (m²), boundary, seams and frozen regions to 1e-12; both sides of each
+/// edge equally long.
 pub(super) fn same_measure(sheet: &Sheet, before: &Kept, change: f64) -> Result<(), String> {
     let now = kept(sheet);
-    let mut pairs = vec![("area", now.area, before.area + change), ("seams", now.seams, before.seams)];
+    let mut pairs =
+        vec![("area", now.area, before.area + change), ("seams", now.seams, before.seams)];
     pairs.push(("frozen area", now.frozen_area, before.frozen_area));
     pairs.extend((0..3).map(|k| ("boundary", now.boundary[k], before.boundary[k])));
-    if let Some((what, a, b)) = pairs.into_iter().find(|(_, a, b)| (a - b).abs() > 1e-12 * b.max(1.0)) {
+    if let Some((what, a, b)) =
+        pairs.into_iter().find(|(_, a, b)| (a - b).abs() > 1e-12 * b.max(1.0))
+    {
         return Err(format!("{what} is {a}, was {b}"));
     }
     let topology = Topology::new("test", sheet.positions.len(), sheet.faces.clone()).unwrap();
-    let side = |f: usize, e: usize| laid::side(&sheet.rest[f], topology.face_edges[f].iter().position(|&x| x == e).unwrap());
+    let side = |f: usize, e: usize| {
+        laid::side(&sheet.rest[f], topology.face_edges[f].iter().position(|&x| x == e).unwrap())
+    };
     for e in (0..topology.edge_count()).filter(|&e| !topology.is_boundary_edge(e)) {
         let [a, b] = topology.edge_faces[e].map(|f| side(f, e));
         if (a - b).abs() > 1e-10 * a {
@@ -91,9 +101,12 @@ pub(super) fn same_measure(sheet: &Sheet, before: &Kept, change: f64) -> Result<
     Ok(())
 }
 
-/// Channel 2, and texture places but for the island, are linear functions of the place at the start, to the bit.
+/// Channel 2, and texture places but for the island, are linear functions of the place at the
+/// start, to the bit.
 pub(super) fn linear_still(sheet: &Sheet) -> Result<(), String> {
-    if let Some(v) = (0..sheet.start.len()).find(|&v| sheet.channels[2][v] != linear(&sheet.start[v])) {
+    if let Some(v) =
+        (0..sheet.start.len()).find(|&v| sheet.channels[2][v] != linear(&sheet.start[v]))
+    {
         return Err(format!("channel 2 at vertex {v} is off its linear function"));
     }
     for (f, uvs) in sheet.uvs.iter().flatten().enumerate() {
@@ -102,7 +115,10 @@ pub(super) fn linear_still(sheet: &Sheet) -> Result<(), String> {
             uvs[k] - Vec2::new(p.x, 2.0 * p.y)
         };
         let island = shift(0);
-        if !(island == Vec2::zeros() || island == Vec2::new(4.0, 0.0)) || shift(1) != island || shift(2) != island {
+        if !(island == Vec2::zeros() || island == Vec2::new(4.0, 0.0))
+            || shift(1) != island
+            || shift(2) != island
+        {
             return Err(format!("texture places of face {f} are off their linear function"));
         }
     }
@@ -113,16 +129,26 @@ pub(super) fn linear_still(sheet: &Sheet) -> Result<(), String> {
 fn remesh_checks_fail_on_spoilt_surfaces() {
     let up = |_: &Vec3| Vec3::z();
     let mut good = with_seam(square(0.2, 1));
-    (0..good.start.len()).filter(|&v| good.start[v].x < 0.3).collect::<Vec<_>>().into_iter().for_each(|v| good.frozen[v] = [true; 3]);
+    (0..good.start.len())
+        .filter(|&v| good.start[v].x < 0.3)
+        .collect::<Vec<_>>()
+        .into_iter()
+        .for_each(|v| good.frozen[v] = [true; 3]);
     let before = kept(&good);
-    let all = |s: &Sheet| [same_kind(s, &before), upright(s, up), same_measure(s, &before, 0.0), linear_still(s)].map(|r| r.is_ok());
+    let all = |s: &Sheet| {
+        [same_kind(s, &before), upright(s, up), same_measure(s, &before, 0.0), linear_still(s)]
+            .map(|r| r.is_ok())
+    };
     assert_eq!(all(&good), [true; 4]);
     assert!(before.seams > 0.5 && before.frozen_area > 0.05);
 
     // A face missing in the middle, and a face twice.
     let mut holed = good.clone();
-    let inner =
-        (0..holed.faces.len()).find(|&f| holed.faces[f].iter().all(|&v| (good.start[v].xy() - Vec2::new(0.5, 0.5)).norm() < 0.4)).unwrap();
+    let inner = (0..holed.faces.len())
+        .find(|&f| {
+            holed.faces[f].iter().all(|&v| (good.start[v].xy() - Vec2::new(0.5, 0.5)).norm() < 0.4)
+        })
+        .unwrap();
     holed.faces.remove(inner);
     holed.rest.remove(inner);
     holed.uvs.as_mut().unwrap().remove(inner);
@@ -132,7 +158,10 @@ fn remesh_checks_fail_on_spoilt_surfaces() {
     assert!(same_kind(&doubled, &before).is_err());
     // Another surface; two fans on one vertex.
     assert!(same_kind(&annulus(0.3, 1), &before).unwrap_err().contains("Euler"));
-    let bow = super::meshes::sheet(vec![Vec3::zeros(), Vec3::x(), Vec3::y(), -Vec3::x(), -Vec3::y()], vec![[0, 1, 2], [0, 3, 4]]);
+    let bow = super::meshes::sheet(
+        vec![Vec3::zeros(), Vec3::x(), Vec3::y(), -Vec3::x(), -Vec3::y()],
+        vec![[0, 1, 2], [0, 3, 4]],
+    );
     assert!(same_kind(&bow, &before).unwrap_err().contains("two fans"));
 
     let spoilt = |spoil: &dyn Fn(&mut Sheet)| {
@@ -143,12 +172,21 @@ fn remesh_checks_fail_on_spoilt_surfaces() {
     let far = Vec3::new(3.0, 3.0, 0.0);
     let n = good.positions.len() - 1;
     assert!(!spoilt(&|s| s.positions[n] += far)[1] && !spoilt(&|s| s.start[n] += far)[1]);
-    assert!(!spoilt(&|s| s.positions[0] += far * 1e-6)[2] && !spoilt(&|s| s.start[0] += far * 1e-6)[2]);
-    assert!(!spoilt(&|s| s.rest[3].inverse_root *= 1.0 + 1e-9)[2] && !spoilt(&|s| s.rest[3].area_m2 *= 1.0 + 1e-6)[2]);
+    assert!(
+        !spoilt(&|s| s.positions[0] += far * 1e-6)[2] && !spoilt(&|s| s.start[0] += far * 1e-6)[2]
+    );
+    assert!(
+        !spoilt(&|s| s.rest[3].inverse_root *= 1.0 + 1e-9)[2]
+            && !spoilt(&|s| s.rest[3].area_m2 *= 1.0 + 1e-6)[2]
+    );
     assert!(!spoilt(&|s| s.frozen[0] = [false; 3])[2]);
-    let seamless = |s: &mut Sheet| s.uvs.as_mut().unwrap().iter_mut().flatten().for_each(|uv| uv.x %= 4.0);
+    let seamless =
+        |s: &mut Sheet| s.uvs.as_mut().unwrap().iter_mut().flatten().for_each(|uv| uv.x %= 4.0);
     assert!(!spoilt(&seamless)[2]);
-    assert!(!spoilt(&|s| s.channels[2][5] = s.channels[2][5].next_up())[3] && !spoilt(&|s| s.uvs.as_mut().unwrap()[2][1].y += 1e-15)[3]);
+    assert!(
+        !spoilt(&|s| s.channels[2][5] = s.channels[2][5].next_up())[3]
+            && !spoilt(&|s| s.uvs.as_mut().unwrap()[2][1].y += 1e-15)[3]
+    );
     let ball = sphere(4, 0.1, &mut Random(1));
     assert!(upright(&ball, |p| *p).is_ok() && upright(&ball, |p| -p).is_err());
 }

@@ -7,7 +7,8 @@ use crate::growth::Expansion;
 use crate::mesh::{Topology, Vec3};
 use crate::rest::RestMetric;
 
-/// `sheet` grown by up to `most` in a smooth spot about `centre`, of `radius` (m); λ (m) everywhere.
+/// `sheet` grown by up to `most` in a smooth spot about `centre`, of `radius` (m); λ (m)
+/// everywhere.
 fn grown(mut sheet: Sheet, centre: Vec3, radius: f64, most: f64, wavelength: f64) -> Sheet {
     let topology = Topology::new("test", sheet.start.len(), sheet.faces.clone()).unwrap();
     let factor = |p: &Vec3| {
@@ -37,7 +38,10 @@ fn verify(before: &Sheet, options: &RemeshOptions, outward: impl Fn(&Vec3) -> Ve
     upright(&first.sheet, outward).unwrap();
     same_measure(&first.sheet, &was, report.area_change_m2).unwrap();
     let area: f64 = before.rest.iter().map(|f| f.area_m2).sum();
-    assert!(report.area_spent_m2 <= options.area_tolerance * area && report.area_change_m2.abs() <= report.area_spent_m2);
+    assert!(
+        report.area_spent_m2 <= options.area_tolerance * area
+            && report.area_change_m2.abs() <= report.area_spent_m2
+    );
     linear_still(&first.sheet).unwrap();
     // Again gives the same; a second pass does nothing.
     assert_eq!(remesh(before.clone(), &all(before), options).unwrap(), first);
@@ -47,7 +51,10 @@ fn verify(before: &Sheet, options: &RemeshOptions, outward: impl Fn(&Vec3) -> Ve
     // Old vertices that are left carry what they did.
     for (v, to) in first.maps.vertices.iter().enumerate() {
         if let Some(w) = *to {
-            assert!(first.sheet.positions[w] == before.positions[v] && first.sheet.channels[1][w] == before.channels[1][v]);
+            assert!(
+                first.sheet.positions[w] == before.positions[v]
+                    && first.sheet.channels[1][w] == before.channels[1][v]
+            );
         }
     }
     for (f, to) in first.maps.faces.iter().enumerate() {
@@ -66,9 +73,12 @@ fn in_band(sheet: &Sheet, options: &RemeshOptions) -> f64 {
 
 /// Mean length (m) at rest of the sides of faces all of whose corners have `channel 1` as chosen.
 fn mean_side(sheet: &Sheet, choose: impl Fn(f64) -> bool) -> f64 {
-    let chosen = (0..sheet.faces.len()).filter(|&f| sheet.faces[f].iter().all(|&v| choose(sheet.channels[1][v])));
-    let sides: Vec<f64> =
-        chosen.flat_map(|f| (0..3).map(move |k| (f, k))).map(|(f, k)| super::super::laid::side(&sheet.rest[f], k)).collect();
+    let chosen = (0..sheet.faces.len())
+        .filter(|&f| sheet.faces[f].iter().all(|&v| choose(sheet.channels[1][v])));
+    let sides: Vec<f64> = chosen
+        .flat_map(|f| (0..3).map(move |k| (f, k)))
+        .map(|(f, k)| super::super::laid::side(&sheet.rest[f], k))
+        .collect();
     assert!(!sides.is_empty());
     sides.iter().sum::<f64>() / sides.len() as f64
 }
@@ -77,7 +87,8 @@ fn mean_side(sheet: &Sheet, choose: impl Fn(f64) -> bool) -> f64 {
 fn remesh_makes_an_open_sheet_fine_where_it_grows() {
     let options = RemeshOptions::new(0.12);
     for seed in 1..=4 {
-        let mut sheet = grown(with_seam(square(0.1, seed)), Vec3::new(0.5, 0.5, 0.0), 0.25, 1.5, 0.2);
+        let mut sheet =
+            grown(with_seam(square(0.1, seed)), Vec3::new(0.5, 0.5, 0.0), 0.25, 1.5, 0.2);
         for v in 0..sheet.start.len() {
             let p = sheet.start[v];
             sheet.frozen[v] = [p.x == 0.0 || p.x == 1.0 || p.y == 0.0 || p.y == 1.0; 3];
@@ -85,7 +96,8 @@ fn remesh_makes_an_open_sheet_fine_where_it_grows() {
             sheet.frozen[v][2] = false;
         }
         let done = verify(&sheet, &options, |_| Vec3::z());
-        let (inside, outside) = (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
+        let (inside, outside) =
+            (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
         let share = in_band(&done.sheet, &options);
         assert!(share >= 0.95 && inside < 0.03 && outside > 0.06);
         assert!(in_band(&sheet, &options) < 0.95, "nothing had to be done");
@@ -99,7 +111,8 @@ fn remesh_makes_a_closed_surface_fine_where_it_grows() {
         let mut random = Random(seed);
         let sheet = grown(sphere(10, 0.1, &mut random), Vec3::z(), 0.5, 1.6, 0.4);
         let done = verify(&sheet, &options, |p| *p);
-        let (inside, outside) = (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
+        let (inside, outside) =
+            (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
         let share = in_band(&done.sheet, &options);
         assert!(share >= 0.95 && inside < 0.06 && outside > 0.13);
     }
@@ -124,8 +137,13 @@ fn remesh_coarsens_what_is_too_fine() {
 fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
     let options = RemeshOptions::new(0.12);
     let sheet = grown(with_seam(square(0.05, 5)), Vec3::new(0.4, 0.5, 0.0), 0.3, 1.5, 0.1);
-    let middle = |face: &[usize; 3], sheet: &Sheet| face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0;
-    let active: Vec<bool> = sheet.faces.iter().map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.2).collect();
+    let middle =
+        |face: &[usize; 3], sheet: &Sheet| face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0;
+    let active: Vec<bool> = sheet
+        .faces
+        .iter()
+        .map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.2)
+        .collect();
     let done = remesh(sheet.clone(), &active, &options).unwrap();
     assert!(done.report.settled && done.report.splits > 50, "{:?}", done.report);
     // It grew, so all keep their numbers.
@@ -134,13 +152,20 @@ fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
         assert_eq!((done.sheet.faces[f], done.sheet.rest[f]), (sheet.faces[f], sheet.rest[f]));
         assert_eq!(done.sheet.uvs.as_ref().unwrap()[f], sheet.uvs.as_ref().unwrap()[f]);
         for v in sheet.faces[f] {
-            assert!(done.maps.vertices[v] == Some(v) && done.sheet.positions[v] == sheet.positions[v]);
+            assert!(
+                done.maps.vertices[v] == Some(v) && done.sheet.positions[v] == sheet.positions[v]
+            );
         }
     }
     // Coarsening leaves holes, which the last ones fill.
     let sheet = with_seam(square(0.05, 5));
-    let active: Vec<bool> = sheet.faces.iter().map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.35).collect();
-    let coarse = RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.3) };
+    let active: Vec<bool> = sheet
+        .faces
+        .iter()
+        .map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.35)
+        .collect();
+    let coarse =
+        RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.3) };
     let done = remesh(sheet.clone(), &active, &coarse).unwrap();
     assert!(done.report.settled && done.report.collapses > 20, "{:?}", done.report);
     let count = done.sheet.faces.len();
@@ -166,14 +191,28 @@ fn remesh_stops_at_the_limit_of_vertices() {
 
 #[test]
 fn remesh_refines_where_normals_turn_and_growth_changes() {
-    let base = RemeshOptions { growth_channel: None, edges_per_wave: 1.0, normal_angle: 9.0, finest_share: 0.1, ..RemeshOptions::new(0.3) };
-    let count = |sheet: &Sheet, options: &RemeshOptions| remesh(sheet.clone(), &all(sheet), options).unwrap().sheet.positions.len();
+    let base = RemeshOptions {
+        growth_channel: None,
+        edges_per_wave: 1.0,
+        normal_angle: 9.0,
+        finest_share: 0.1,
+        ..RemeshOptions::new(0.3)
+    };
+    let count = |sheet: &Sheet, options: &RemeshOptions| {
+        remesh(sheet.clone(), &all(sheet), options).unwrap().sheet.positions.len()
+    };
     let ball = sphere(8, 0.0, &mut Random(1));
-    assert!(count(&ball, &RemeshOptions { normal_angle: 0.1, ..base.clone() }) > 2 * count(&ball, &base));
+    assert!(
+        count(&ball, &RemeshOptions { normal_angle: 0.1, ..base.clone() })
+            > 2 * count(&ball, &base)
+    );
     let mut flat = square(0.2, 1);
     flat.channels[1] = flat.start.iter().map(|p| 1.0 + p.x).collect();
     let calm = RemeshOptions { growth_channel: Some(1), growth_step: 9.0, ..base };
-    assert!(count(&flat, &RemeshOptions { growth_step: 0.05, ..calm.clone() }) > 2 * count(&flat, &calm));
+    assert!(
+        count(&flat, &RemeshOptions { growth_step: 0.05, ..calm.clone() })
+            > 2 * count(&flat, &calm)
+    );
 }
 
 #[test]
@@ -206,14 +245,18 @@ fn remesh_settles_on_random_folded_sheets() {
         let size = 0.07 + 0.05 * random.signed().abs();
         let flat = square(size, seed);
         let centre = Vec3::new(0.5 + 0.4 * random.signed(), 0.5 + 0.4 * random.signed(), 0.0);
-        let mut sheet = grown(flat, centre, 0.4, 1.0 + random.signed().abs(), 0.2 + 0.1 * random.signed());
+        let mut sheet =
+            grown(flat, centre, 0.4, 1.0 + random.signed().abs(), 0.2 + 0.1 * random.signed());
         // A pose of folds, one of them steep, over which the rest metric knows nothing.
         let (height, waves) = (0.05 * random.signed(), 3.0 + 2.0 * random.signed());
         for (v, p) in sheet.positions.iter_mut().enumerate() {
             let q = sheet.start[v];
-            p.z = height * (waves * std::f64::consts::TAU * q.x).sin() * (1.0 - (2.0 * q.y - 1.0).powi(2)).max(0.2);
+            p.z = height
+                * (waves * std::f64::consts::TAU * q.x).sin()
+                * (1.0 - (2.0 * q.y - 1.0).powi(2)).max(0.2);
         }
-        let options = RemeshOptions { normal_angle: 0.3 + 0.2 * random.signed(), ..RemeshOptions::new(0.15) };
+        let options =
+            RemeshOptions { normal_angle: 0.3 + 0.2 * random.signed(), ..RemeshOptions::new(0.15) };
         let done = verify(&sheet, &options, |_| Vec3::z());
         let share = in_band(&done.sheet, &options);
         assert!(share >= 0.95);

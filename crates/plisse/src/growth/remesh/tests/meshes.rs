@@ -1,4 +1,5 @@
-//! Meshes to try remeshing on. All coordinates are multiples of 2⁻²⁰, so that middles, and linear functions of them, are exact.
+//! Meshes to try remeshing on. All coordinates are multiples of 2⁻²⁰, so that middles, and linear
+//! functions of them, are exact.
 
 use super::super::Sheet;
 use crate::mesh::panel::{Outline, Panel};
@@ -41,10 +42,19 @@ pub(super) fn sheet(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> Sheet {
     let rest = RestMetric::from_shape("test", &positions, &faces).unwrap().faces;
     let n = positions.len();
     let channels = vec![vec![1.0; n], vec![1.0; n], positions.iter().map(linear).collect()];
-    Sheet { faces, rest, start: positions.clone(), positions, channels, frozen: vec![[false; 3]; n], uvs: None }
+    Sheet {
+        faces,
+        rest,
+        start: positions.clone(),
+        positions,
+        channels,
+        frozen: vec![[false; 3]; n],
+        uvs: None,
+    }
 }
 
-/// The unit sphere: an octahedron whose faces are divided in `n`² parts, shaken by `jitter` of an edge.
+/// The unit sphere: an octahedron whose faces are divided in `n`² parts, shaken by `jitter` of an
+/// edge.
 pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> Sheet {
     let axis = |k: usize, s: f64| Vec3::ith(k, s);
     let mut positions: Vec<Vec3> = Vec::new();
@@ -62,7 +72,9 @@ pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> Sheet {
         if sign(0) * sign(1) * sign(2) < 0.0 {
             (b, c) = (c, b);
         }
-        let mut at = |i: usize, j: usize| vertex((a * (n - i - j) as f64 + b * i as f64 + c * j as f64) / n as f64);
+        let mut at = |i: usize, j: usize| {
+            vertex((a * (n - i - j) as f64 + b * i as f64 + c * j as f64) / n as f64)
+        };
         for i in 0..n {
             for j in 0..n - i {
                 faces.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
@@ -73,7 +85,10 @@ pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> Sheet {
         }
     }
     let size = jitter * 1.5 / n as f64;
-    let shaken = |p: Vec3| (p.normalize() + Vec3::new(random.signed(), random.signed(), random.signed()) * size).normalize();
+    let shaken = |p: Vec3| {
+        (p.normalize() + Vec3::new(random.signed(), random.signed(), random.signed()) * size)
+            .normalize()
+    };
     sheet(positions.into_iter().map(shaken).collect(), faces)
 }
 
@@ -84,7 +99,8 @@ pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> She
     for i in 0..n {
         for j in 0..m {
             let (u, v) = (i as f64 + jitter * random.signed(), j as f64 + jitter * random.signed());
-            let (u, v) = (u * std::f64::consts::TAU / n as f64, v * std::f64::consts::TAU / m as f64);
+            let (u, v) =
+                (u * std::f64::consts::TAU / n as f64, v * std::f64::consts::TAU / m as f64);
             let r = 1.0 + 0.4 * v.cos();
             positions.push(Vec3::new(r * u.cos(), r * u.sin(), 0.4 * v.sin()));
             let at = |i: usize, j: usize| (i % n) * m + j % m;
@@ -97,17 +113,25 @@ pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> She
 
 /// An irregular unit square of edges about `edge` (m).
 pub(super) fn square(edge: f64, seed: u64) -> Sheet {
-    let panel = Panel::new("test", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, edge, seed).unwrap();
+    let panel = Panel::new("test", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, edge, seed)
+        .unwrap();
     sheet(panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), panel.faces)
 }
 
 /// An irregular annulus: a boundary of two loops.
 pub(super) fn annulus(edge: f64, seed: u64) -> Sheet {
-    let panel = Panel::new("test", &Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, edge, seed).unwrap();
+    let panel = Panel::new(
+        "test",
+        &Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 },
+        edge,
+        seed,
+    )
+    .unwrap();
     sheet(panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), panel.faces)
 }
 
-/// Texture places in two islands: faces whose middle is left of x = 0.5 m lie elsewhere than the others.
+/// Texture places in two islands: faces whose middle is left of x = 0.5 m lie elsewhere than the
+/// others.
 pub(super) fn with_seam(mut sheet: Sheet) -> Sheet {
     let uv = |face: &[usize; 3]| {
         let middle = face.iter().map(|&v| sheet.start[v].x).sum::<f64>() / 3.0;

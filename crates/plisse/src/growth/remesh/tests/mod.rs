@@ -1,4 +1,5 @@
-//! Remeshing on random meshes. What must stay is in [`checks`]; each check is shown to fail on a surface that was spoilt.
+//! Remeshing on random meshes. What must stay is in [`checks`]; each check is shown to fail on a
+//! surface that was spoilt.
 
 mod checks;
 mod driven;

@@ -8,7 +8,13 @@ use super::meshes::{Random, annulus, sphere, square, torus, with_seam};
 use crate::mesh::Vec3;
 
 /// `count` random operations, checked after every 40; how many of each were done.
-fn shake(sheet: Sheet, outward: impl Fn(&Vec3) -> Vec3, tolerances: Tolerances, count: usize, random: &mut Random) -> [usize; 3] {
+fn shake(
+    sheet: Sheet,
+    outward: impl Fn(&Vec3) -> Vec3,
+    tolerances: Tolerances,
+    count: usize,
+    random: &mut Random,
+) -> [usize; 3] {
     let before = kept(&sheet);
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, &vec![true; faces]);
@@ -22,7 +28,8 @@ fn shake(sheet: Sheet, outward: impl Fn(&Vec3) -> Vec3, tolerances: Tolerances, 
             (!patch.dead[f]).then(|| (patch.sheet.faces[f][k], patch.sheet.faces[f][(k + 1) % 3]))
         };
         // Swaps at random would wind a curved surface up; there, one that is wanted is looked for.
-        let wanted = |&(a, b): &(usize, usize)| !curved || !matches!(kind, 1 | 2) || patch.wants_swap(a, b);
+        let wanted =
+            |&(a, b): &(usize, usize)| !curved || !matches!(kind, 1 | 2) || patch.wants_swap(a, b);
         let Some((a, b)) = (0..40).filter_map(|_| pick()).find(wanted) else { continue };
         match kind {
             0 => done[0] += usize::from(patch.split(a, b).is_some()),
@@ -105,7 +112,12 @@ fn remesh_refuses_what_would_spoil() {
     assert!(patch.swap(0, 1).is_none() && patch.collapse(0, 1, any, free).is_none());
     assert_eq!(patch.sheet, solid);
     // A quad that is not convex, and one that is.
-    let quad = |d: Vec3| super::meshes::sheet(vec![Vec3::zeros(), Vec3::x(), Vec3::new(0.2, 1.0, 0.0), d], vec![[0, 1, 2], [1, 0, 3]]);
+    let quad = |d: Vec3| {
+        super::meshes::sheet(
+            vec![Vec3::zeros(), Vec3::x(), Vec3::new(0.2, 1.0, 0.0), d],
+            vec![[0, 1, 2], [1, 0, 3]],
+        )
+    };
     let mut dart = Patch::new(quad(Vec3::new(-1.0, -0.1, 0.0)), &[true; 2]);
     assert!(dart.swap(0, 1).is_none());
     let mut kite = Patch::new(quad(Vec3::new(0.6, -1.0, 0.0)), &[true; 2]);
@@ -116,7 +128,11 @@ fn remesh_refuses_what_would_spoil() {
     let n = flat.faces.len();
     let mut patch = Patch::new(flat.clone(), &vec![false; n]);
     let [a, b] = [flat.faces[0][0], flat.faces[0][1]];
-    assert!(patch.split(a, b).is_none() && patch.swap(a, b).is_none() && patch.collapse(a, b, any, free).is_none());
+    assert!(
+        patch.split(a, b).is_none()
+            && patch.swap(a, b).is_none()
+            && patch.collapse(a, b, any, free).is_none()
+    );
     let mut patch = Patch::new(flat.clone(), &vec![true; n]);
     let corner = flat.start.iter().position(|p| *p == Vec3::zeros()).unwrap();
     for f in patch.around[corner].clone() {
