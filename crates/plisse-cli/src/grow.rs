@@ -13,7 +13,7 @@ use plisse::growth::reference::{LevelReport, grow_by_forces_each};
 use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};

@@ -1,7 +1,7 @@
 //! report.json and the short table on the terminal: the same figures.
 
 use plisse::field::{EnergyTerms, FieldReport, Wavelengths, WrinkleField};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Topology;
 use plisse::rest::RestMetric;
 use plisse::scene::Measured;

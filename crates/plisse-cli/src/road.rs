@@ -7,7 +7,7 @@ use std::time::Instant;
 use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, solve};
 use plisse::io::aside::OutputFolder;
 use plisse::io::glb::UpAxis;
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Topology;
 use plisse::scene::Measured;
 use plisse::shell::BaseReport;

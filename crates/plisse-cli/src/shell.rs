@@ -7,7 +7,7 @@ use std::time::Instant;
 use plisse::field::curvature::vertex_normals;
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{Built, Measured, Scene};

@@ -6,7 +6,7 @@ mod sheets;
 use std::sync::Mutex;
 
 use nalgebra::Rotation3;
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::material::Material;
 use plisse::mesh::Vec3;
 use plisse::progress::{Observer, Silent, Step};

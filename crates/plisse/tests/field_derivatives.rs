@@ -4,8 +4,7 @@
 //! That single elements are right is tested beside them; here it is how they are put together.
 
 /// The library's own comparison with differences, which it has for its tests only.
-#[path = "../src/linalg/derivative_check.rs"]
-#[allow(unreachable_pub)]
+#[path = "../src/linalg/derivative_check/differences.rs"]
 mod derivative_check;
 mod sheets;
 
@@ -14,7 +13,7 @@ use plisse::field::curvature::second_forms;
 use plisse::field::density::Density;
 use plisse::field::problem::FieldProblem;
 use plisse::field::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
-use plisse::linalg::newton::{Convexity, Problem};
+use plisse::linalg::{Problem, PsdProjection};
 use plisse::mesh::{Topology, Vec3};
 use plisse::rest::{RestFace, RestMetric};
 use plisse::strain::strain;
@@ -83,7 +82,7 @@ fn worst_errors(
         worst.0 = worst.0.max(gradient_error(&x, 1.0, &gradient, |y| problem.energy(y)));
         let at = |problem: &mut FieldProblem<'_>, y: &[f64]| {
             let mut g = vec![0.0; n];
-            problem.linearise(y, &mut g);
+            problem.value_and_gradient(y, &mut g);
             g
         };
         worst.1 = worst.1.max(hessian_error(&x, 1.0, &hessian, |y| at(&mut problem, y)));
@@ -100,11 +99,11 @@ fn worst_errors(
 fn derivatives(problem: &mut FieldProblem<'_>, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let n = x.len();
     let mut gradient = vec![0.0; n];
-    let energy = problem.linearise(x, &mut gradient);
+    let energy = problem.value_and_gradient(x, &mut gradient);
     assert!((energy / problem.energy(x) - 1.0).abs() < 1e-13);
     let pattern = problem.pattern();
     let mut values = vec![0.0; pattern.entry_count()];
-    problem.hessian(Convexity::Exact, &mut values);
+    problem.hessian(PsdProjection::None, &mut values);
     let mut hessian = vec![0.0; n * n];
     let mut unit = vec![0.0; n];
     for i in 0..n {

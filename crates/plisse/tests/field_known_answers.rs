@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use plisse::field::{FieldOptions, Period, WrinkleFreeRule};
 use plisse::io::{clamp_file, obj};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 
 use sheets::{Sheet, mylar};
 

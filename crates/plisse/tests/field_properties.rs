@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Rotation3;
 use plisse::field::{FieldOptions, Solved, WrinkleField, WrinkleFreeRule, solve};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::material::Material;
 use plisse::mesh::panel::Outline;
 use plisse::mesh::{Topology, Vec3};

@@ -10,7 +10,7 @@ mod sheets;
 use plisse::growth::equilibrium::grow_through;
 use plisse::growth::measure::{Reached, Relief, Window, offsets_m, reached};
 use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, Procedure, grow};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::mesh::{Vec2, Vec3};
 use plisse::obstacle::Obstacle;

@@ -6,7 +6,7 @@ mod sheets;
 use plisse::growth::equilibrium::grow_through;
 use plisse::growth::sculpt::{Change, Dab, Paint, Painted, SculptOptions, Sculpture, Spot};
 use plisse::growth::{Expansion, Growing, GrowthOptions};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::progress::Silent;
 use sheets::Sheet;

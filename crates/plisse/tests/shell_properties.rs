@@ -5,7 +5,7 @@ mod sheets;
 
 use std::f64::consts::PI;
 
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::material::Material;
 use plisse::mesh::Vec3;
 use plisse::progress::Silent;

@@ -1,7 +1,7 @@
 //! What each term and correction is for (figures 4 and 5 of [Chen 2021]), and which minimum is
 //! found.
 
-use plisse::linalg::small::Convexity;
+use plisse::linalg::PsdProjection;
 use plisse::scene;
 
 use super::solved::{Look, Solution};
@@ -168,8 +168,8 @@ fn treatments(study: &mut Study<'_>) -> Result<(), Stop> {
         };
         let (pose, base) = study.base(&built)?;
         let mut row = vec![text(&scene.title)];
-        for convexity in [Convexity::Mirrored, Convexity::Clamped] {
-            built.field.convexity = convexity;
+        for projection in [PsdProjection::Abs, PsdProjection::Clamp] {
+            built.field.psd_projection = projection;
             let report = study.solve_on(built.clone(), pose.clone(), base.clone())?.solved.report;
             row.extend([scientific(report.energy_joule), count(report.iterations)]);
         }

@@ -1,7 +1,7 @@
 //! A scene solved for a study, and how it is drawn.
 
 use plisse::field::{Period, Solved, WrinkleField, solve};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::picture::{Paint, PanelView, Subject, write_png};
 use plisse::scene::schema::{MeasureKind, MeasureTable};

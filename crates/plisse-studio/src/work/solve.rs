@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use plisse::Result;
 use plisse::field::{FieldReport, WrinkleField, solve};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Observer;
 use plisse::scene::{Built, Measured, measure};

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::closed_forms::ClosedForms;
 use super::density::{Density, Local, LocalHessian};
 use super::phase_unknowns::PhaseUnknowns;
-use crate::linalg::newton::Problem;
-use crate::linalg::small::{Convexity, convexify};
+use crate::linalg::Problem;
+use crate::linalg::psd_projection::{PsdProjection, project_to_psd};
 use crate::linalg::sparse::SymmetricPattern;
 use crate::mesh::{NONE, Topology};
 
@@ -226,7 +226,7 @@ impl<'a> FieldProblem<'a> {
                 (f64::NEG_INFINITY, 1.0)
             };
             largest = largest.max(
-                crate::linalg::newton::projected(x[i], lower, gradient[i]).abs()
+                crate::linalg::newton::projected_gradient(x[i], lower, gradient[i]).abs()
                     * self.energy_unit_joule
                     / unit,
             );
@@ -274,7 +274,7 @@ impl Problem for FieldProblem<'_> {
         sums.iter().sum::<f64>() / self.energy_unit_joule
     }
 
-    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+    fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         let mut states = std::mem::take(&mut self.states);
         states.par_chunks_mut(CHUNK).zip(self.elements.par_chunks(CHUNK)).for_each(
             |(states, elements)| {
@@ -311,11 +311,11 @@ impl Problem for FieldProblem<'_> {
         sums.sum::<f64>() / self.energy_unit_joule
     }
 
-    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+    fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
         self.convex.par_chunks_mut(CHUNK).zip(self.states.par_chunks(CHUNK)).for_each(
             |(convex, states)| {
                 for (convex, state) in convex.iter_mut().zip(states) {
-                    *convex = convexify(&state.hessian, convexity);
+                    *convex = project_to_psd(&state.hessian, projection);
                 }
             },
         );

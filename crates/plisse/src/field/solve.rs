@@ -11,7 +11,8 @@ use super::initialise::{compression, first_guess, first_wavelength_m};
 use super::phase_unknowns::one_form;
 use super::problem::FieldProblem;
 use super::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
-use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::linalg::newton::{Options, minimise};
+use crate::linalg::{Ending, PsdProjection};
 use crate::material::Material;
 use crate::mesh::{Mat3, Topology, Vec3};
 use crate::progress::Observer;
@@ -21,7 +22,7 @@ use crate::{Error, Result};
 
 /// The solve ends with a Newton step that was to lower the energy by less than this share of what
 /// the wrinkled faces hold before they wrinkle.
-const LEAST_FALL: f64 = 1e-13;
+const PREDICTED_DECREASE_TOLERANCE: f64 = 1e-13;
 
 /// How the field is solved.
 #[derive(Clone, Debug)]
@@ -36,7 +37,7 @@ pub struct FieldOptions {
     /// Rings of vertices that curvature is fitted to.
     pub curvature_rings: usize,
     /// How indefinite element Hessians are treated before the true Hessian takes over.
-    pub convexity: Convexity,
+    pub psd_projection: PsdProjection,
     /// Largest component of the projected gradient at which the solve ends, in the problem's own
     /// units; it ends, too, with a step by which next to nothing is to be gained (10⁻¹³ of the
     /// energy).
@@ -52,7 +53,7 @@ impl Default for FieldOptions {
             terms: Terms::default(),
             relaxed_integrability: true,
             curvature_rings: 5,
-            convexity: Convexity::Mirrored,
+            psd_projection: PsdProjection::Abs,
             tolerance: 1e-12,
             iteration_limit: 1000,
         }
@@ -167,15 +168,12 @@ pub fn solve(
     let mut start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
     problem.rescale(&mut start);
     let newton = Options {
-        stage: "field",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
-        least_fall: LEAST_FALL,
-        convexity: options.convexity,
+        predicted_decrease_tolerance: PREDICTED_DECREASE_TOLERANCE,
+        psd_projection: options.psd_projection,
         ridge: 1e-13,
-        nearest: false,
-        leave_saddles: false,
-        energy_unit_joule,
+        ..Options::new("field", energy_unit_joule)
     };
     let outcome = minimise(&mut problem, &start, &newton, observer)?;
     if !outcome.energy.is_finite() {

@@ -8,10 +8,10 @@
 
 use nalgebra::SMatrix;
 
-use crate::linalg::elimination::Groups;
-use crate::linalg::newton::{Convexity, Problem};
-use crate::linalg::small::convexify;
+use crate::linalg::IndexBlocks;
+use crate::linalg::psd_projection::project_to_psd;
 use crate::linalg::sparse::SymmetricPattern;
+use crate::linalg::{Problem, PsdProjection};
 use crate::mesh::{Mat3, NONE, Vec3};
 use crate::{Error, Result};
 
@@ -353,8 +353,8 @@ impl<P: Problem> Problem for Banded<P> {
         vec![f64::NEG_INFINITY; self.size()]
     }
 
-    fn groups(&self) -> Option<Groups> {
-        let inner = self.inner.groups()?;
+    fn index_blocks(&self) -> Option<IndexBlocks> {
+        let inner = self.inner.index_blocks()?;
         // Vertices are free or carried as wholes; bodies come last.
         let body = |group: &Vec<usize>| self.carried[group[0]].map(|(b, ..)| b);
         let free = inner.members.iter().filter(|group| body(group).is_none());
@@ -382,7 +382,7 @@ impl<P: Problem> Problem for Banded<P> {
                 lists[u.min(number[row])].push(u.max(number[row]));
             }
         }
-        Some(Groups { graph: SymmetricPattern::from_columns(lists), members })
+        Some(IndexBlocks { graph: SymmetricPattern::from_columns(lists), members })
     }
 
     fn energy(&mut self, y: &[f64]) -> f64 {
@@ -390,9 +390,9 @@ impl<P: Problem> Problem for Banded<P> {
         self.inner.energy(&self.inner_x) + self.rigidity(y)
     }
 
-    fn linearise(&mut self, y: &[f64], gradient: &mut [f64]) -> f64 {
+    fn value_and_gradient(&mut self, y: &[f64], gradient: &mut [f64]) -> f64 {
         self.take(y);
-        let energy = self.inner.linearise(&self.inner_x, &mut self.inner_gradient);
+        let energy = self.inner.value_and_gradient(&self.inner_x, &mut self.inner_gradient);
         gradient.fill(0.0);
         for (i, slope) in self.inner_gradient.iter().enumerate() {
             let (parts, count) = self.made_of(i);
@@ -405,27 +405,27 @@ impl<P: Problem> Problem for Banded<P> {
         energy + self.rigidity(y)
     }
 
-    fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
+    fn max_step_size(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let mut moved = vec![0.0; self.free.len()];
         self.spread(direction, &mut moved);
-        self.inner.longest_step(&self.inner_x, &moved)
+        self.inner.max_step_size(&self.inner_x, &moved)
     }
 
-    fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
-        let inner = self.inner.changed_pattern()?;
+    fn new_sparsity(&mut self) -> Option<SymmetricPattern> {
+        let inner = self.inner.new_sparsity()?;
         self.couple(&inner);
         Some(self.pattern.clone())
     }
 
-    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
-        self.inner.hessian(convexity, &mut self.inner_values);
+    fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
+        self.inner.hessian(projection, &mut self.inner_values);
         values.fill(0.0);
         for &(from, to, factor) in &self.scatter {
             values[to as usize] += factor * self.inner_values[from as usize];
         }
         for body in &self.bodies {
             let scale = (self.length_m / body.size_m).powi(2);
-            let hessian = convexify(&body.hessian(&self.x, self.length_m), convexity) * scale;
+            let hessian = project_to_psd(&body.hessian(&self.x, self.length_m), projection) * scale;
             for m in 0..9 {
                 for n in 0..=m {
                     values[self.pattern.slot(body.first + m, body.first + n)] += hessian[(m, n)];
@@ -438,7 +438,7 @@ impl<P: Problem> Problem for Banded<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::derivative_check::{gradient_error, hessian_error};
+    use crate::linalg::derivative_check::check_problem;
     use crate::linalg::newton::{Options, minimise};
     use crate::mesh::scatter::Random;
     use crate::progress::Silent;
@@ -458,19 +458,19 @@ mod tests {
         fn lower_bounds(&self) -> Vec<f64> {
             vec![f64::NEG_INFINITY; self.here.len()]
         }
-        fn groups(&self) -> Option<Groups> {
+        fn index_blocks(&self) -> Option<IndexBlocks> {
             let vertices: Vec<usize> = (0..self.here.len() / 3).collect();
             let graph =
                 SymmetricPattern::from_elements(vertices.len(), [&vertices[..]].into_iter());
-            Some(Groups {
+            Some(IndexBlocks {
                 graph,
                 members: vertices.iter().map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect(),
             })
         }
         fn energy(&mut self, x: &[f64]) -> f64 {
-            self.linearise(x, &mut vec![0.0; x.len()])
+            self.value_and_gradient(x, &mut vec![0.0; x.len()])
         }
-        fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
             let mut energy = 0.0;
             gradient.fill(0.0);
             for i in 0..x.len() {
@@ -487,7 +487,7 @@ mod tests {
             self.here.copy_from_slice(x);
             energy
         }
-        fn hessian(&mut self, _: Convexity, values: &mut [f64]) {
+        fn hessian(&mut self, _: PsdProjection, values: &mut [f64]) {
             let pattern = self.pattern();
             values.fill(0.0);
             let n = self.here.len();
@@ -525,7 +525,7 @@ mod tests {
     #[test]
     fn groups_hold_every_unknown_and_are_coupled_where_theirs_are() {
         let (banded, _) = some(10);
-        let Groups { graph, members } = banded.groups().unwrap();
+        let IndexBlocks { graph, members } = banded.index_blocks().unwrap();
         assert_eq!(members.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, UNKNOWNS, UNKNOWNS]);
         let mut of = vec![NONE; banded.size()];
         members
@@ -547,27 +547,7 @@ mod tests {
         let mut random = Random(5);
         let y: Vec<f64> = (0..banded.size()).map(|_| random.unit() - 0.5).collect();
         assert_eq!(y.len(), 3 * 3 + 2 * UNKNOWNS);
-        let mut gradient = vec![0.0; y.len()];
-        banded.linearise(&y, &mut gradient);
-        let mut values = vec![0.0; banded.pattern.entry_count()];
-        banded.hessian(Convexity::Exact, &mut values);
-        let (mut hessian, mut unit) = (Vec::new(), vec![0.0; y.len()]);
-        for i in 0..y.len() {
-            unit[i] = 1.0;
-            let mut row = vec![0.0; y.len()];
-            banded.pattern.multiply(&values, &unit, &mut row);
-            hessian.extend(row);
-            unit[i] = 0.0;
-        }
-        let e = gradient_error(&y, 0.1, &gradient, |z| banded.energy(z));
-        assert!(e < 1e-7, "gradient {e:e}");
-        let slope = |z: &[f64]| {
-            let mut gradient = vec![0.0; z.len()];
-            banded.linearise(z, &mut gradient);
-            gradient
-        };
-        let e = hessian_error(&y, 0.1, &hessian, slope);
-        assert!(e < 1e-6, "Hessian {e:e}");
+        check_problem(&mut banded, &y, 0.1);
     }
 
     #[test]
@@ -576,15 +556,11 @@ mod tests {
         let begin = banded.pack(&vec![0.0; 30], &start, &start);
         assert!(begin.iter().all(|y| y.abs() < 1e-14));
         let options = Options {
-            stage: "test",
             iteration_limit: 200,
             tolerance: 1e-9,
-            least_fall: 0.0,
-            convexity: Convexity::Clamped,
             ridge: 0.0,
-            nearest: true,
-            leave_saddles: false,
-            energy_unit_joule: 1.0,
+            stay_in_basin: true,
+            ..Options::new("test", 1.0)
         };
         let outcome = minimise(&mut banded, &begin, &options, &Silent).unwrap();
         let x = banded.unpack(&outcome.x);

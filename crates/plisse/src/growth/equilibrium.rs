@@ -21,7 +21,7 @@ use super::expansion::scale_edges;
 use super::growing::Growing;
 use super::settle::{Effort, Prepared};
 use crate::Result;
-use crate::linalg::newton::Ending;
+use crate::linalg::Ending;
 use crate::mesh::{Topology, Vec3};
 use crate::progress::Observer;
 use crate::rest::RestMetric;

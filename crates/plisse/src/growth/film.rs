@@ -24,10 +24,10 @@ use rayon::prelude::*;
 
 use super::self_contact::{SelfContact, Touch};
 use crate::Result;
-use crate::linalg::by_vertex::{NO_SLOT, VertexPattern};
-use crate::linalg::elimination::Groups;
-use crate::linalg::newton::{Convexity, Problem};
+use crate::linalg::IndexBlocks;
 use crate::linalg::sparse::SymmetricPattern;
+use crate::linalg::vertex_pattern::{NO_SLOT, VertexPattern};
+use crate::linalg::{Problem, PsdProjection};
 use crate::material::Material;
 use crate::mesh::{Mat3, NONE, Vec3};
 use crate::shell::Setup;
@@ -409,8 +409,8 @@ impl Problem for Film<'_> {
         vec![f64::NEG_INFINITY; self.size()]
     }
 
-    fn groups(&self) -> Option<Groups> {
-        Some(self.pattern.groups())
+    fn index_blocks(&self) -> Option<IndexBlocks> {
+        Some(self.pattern.index_blocks())
     }
 
     fn energy(&mut self, x: &[f64]) -> f64 {
@@ -419,7 +419,7 @@ impl Problem for Film<'_> {
         self.energy_here(x)
     }
 
-    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+    fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.take(x);
         self.look();
         self.touch();
@@ -466,7 +466,7 @@ impl Problem for Film<'_> {
         self.energy_here(x)
     }
 
-    fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
+    fn max_step_size(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let unknown = self.pattern.unknown();
         let by = |v: usize| {
             Vec3::from_fn(|axis, _| match unknown[v][axis] {
@@ -475,7 +475,7 @@ impl Problem for Film<'_> {
             })
         };
         let part =
-            self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by));
+            self.barrier.as_ref().map_or(1.0, |barrier| barrier.max_step_size(&self.pose, by));
         match &mut self.contact {
             Some(contact) => {
                 let moves: Vec<Vec3> = (0..self.pose.len()).map(|v| by(v) * part).collect();
@@ -485,17 +485,17 @@ impl Problem for Film<'_> {
         }
     }
 
-    fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
+    fn new_sparsity(&mut self) -> Option<SymmetricPattern> {
         std::mem::take(&mut self.recoupled).then(|| self.pattern.pattern().clone())
     }
 
-    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+    fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
         values.copy_from_slice(&self.constant);
         let scale = self.length_m * self.length_m / self.unit_joule;
         let hessians: Vec<FaceHessian> = (0..self.membranes.len())
             .into_par_iter()
             .with_min_len(CHUNK)
-            .map(|f| self.membranes[f].derivatives(&self.corners(f), convexity).2 * scale)
+            .map(|f| self.membranes[f].derivatives(&self.corners(f), projection).2 * scale)
             .collect();
         for (slots, hessian) in self.slots.iter().zip(&hessians) {
             add(values, slots, hessian);
@@ -509,7 +509,7 @@ impl Problem for Film<'_> {
             if let Some(push) = self
                 .barrier
                 .as_ref()
-                .and_then(|b| b.push(v, &self.pose[v], convexity == Convexity::Exact))
+                .and_then(|b| b.push(v, &self.pose[v], projection == PsdProjection::None))
             {
                 block += push.hessian;
             }
@@ -579,7 +579,7 @@ fn add_vertex(pattern: &VertexPattern, v: usize, block: &Mat3, values: &mut [f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::derivative_check::{gradient_error, hessian_error};
+    use crate::linalg::derivative_check::check_problem;
     use crate::mesh::Topology;
     use crate::mesh::scatter::Random;
     use crate::obstacle::Obstacle;
@@ -635,28 +635,7 @@ mod tests {
         let thickness: Vec<f64> = (0..8).map(|_| 1.0 + 0.3 * number()).collect();
         let mut film = Film::new(&setup, &start, &thickness, &foundation, &crests).unwrap();
         let x = film.pack(&pose);
-        let mut gradient = vec![0.0; x.len()];
-        let energy = film.linearise(&x, &mut gradient);
-        assert_eq!(energy, film.energy(&x));
-        let mut values = vec![0.0; film.pattern().entry_count()];
-        film.hessian(Convexity::Exact, &mut values);
-        let (mut hessian, mut unit) = (Vec::new(), vec![0.0; x.len()]);
-        for i in 0..x.len() {
-            unit[i] = 1.0;
-            let mut row = vec![0.0; x.len()];
-            film.pattern().multiply(&values, &unit, &mut row);
-            hessian.extend(row);
-            unit[i] = 0.0;
-        }
-        let e = gradient_error(&x, 0.1, &gradient, |y| film.energy(y));
-        assert!(e < 1e-7, "gradient {e:e}");
-        let slope = |y: &[f64]| {
-            let mut gradient = vec![0.0; x.len()];
-            film.linearise(y, &mut gradient);
-            gradient
-        };
-        let e = hessian_error(&x, 0.1, &hessian, slope);
-        assert!(e < 1e-6, "Hessian {e:e}");
+        check_problem(&mut film, &x, 0.1);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::growing::Growing;
 use super::imperfection::band_limited;
 use super::loose;
 use super::self_contact::SelfContact;
-use crate::linalg::newton::{Convexity, Options, minimise};
+use crate::linalg::newton::{Options, minimise};
 use crate::material::Material;
 use crate::mesh::Vec3;
 use crate::progress::Observer;
@@ -289,15 +289,10 @@ impl<'a, 'b> Prepared<'a, 'b> {
             .apart(self.contact(&foundation));
         let force = options.onset() * self.scale.edge_m / film.length_m();
         let newton = Options {
-            stage: "grow",
             iteration_limit: effort.iteration_limit,
             tolerance: effort.tolerance * force,
-            least_fall: 0.0,
-            convexity: Convexity::Clamped,
-            ridge: 1e-14,
-            nearest: true,
-            leave_saddles: false,
-            energy_unit_joule: film.unit_joule(),
+            stay_in_basin: true,
+            ..Options::new("grow", film.unit_joule())
         };
         let (unit_joule, length_m, begin) = (film.unit_joule(), film.length_m(), film.pack(pose));
         let outcome = if growing.maps.bands.is_empty() {

@@ -1,10 +1,11 @@
-//! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic part
-//! once, numeric part as often as wanted.
+//! Sparse Cholesky factorisation of matrices that share one pattern: ordering and symbolic analysis
+//! once, numeric factorisation as often as wanted.
 //!
-//! For a few factorisations all is `faer`'s. Its numeric part runs on one thread on purpose, so
-//! that its rounding does not depend on the number of threads. Where a large matrix is factorised
-//! many times, or it is known which unknowns belong together, the order is the best of several
-//! (`ordering`), and the rest is that of `fronts`, whose rounding does not either.
+//! For a few factorisations `faer` does everything. Its numeric part runs on one thread on purpose,
+//! so that its rounding does not depend on the number of threads. A large matrix that is factorised
+//! many times, or one with known index blocks, is ordered by the best of several methods
+//! (`ordering`) and factorised by `multifrontal`, whose rounding does not depend on the threads
+//! either.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -15,15 +16,15 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::{Conj, MatMut, Par, Side, Spec};
 
-use super::elimination::{Elimination, Groups};
-use super::fronts::Fronts;
-use super::ordering::{LARGE, LARGE_GROUPS, alone, best, view};
+use super::multifrontal::Multifrontal;
+use super::ordering::{MIN_DISSECTED_BLOCKS, MIN_DISSECTED_UNKNOWNS, best_ordering, view};
 use super::sparse::SymmetricPattern;
+use super::symbolic::{IndexBlocks, SymbolicFactorisation};
 use crate::{Error, Result};
 
-/// How much more work than when it was made an order may come to, as couplings are added, before
-/// another one is looked for.
-const WORSE: f64 = 1.3;
+/// Slack of a kept ordering: reorder when added couplings raise the operation count above this
+/// multiple of the original one.
+const ORDERING_SLACK: f64 = 1.3;
 
 /// A factorisation whose symbolic part is done.
 pub struct Cholesky {
@@ -32,14 +33,19 @@ pub struct Cholesky {
 }
 
 enum Method {
-    /// By the library, for a few times.
-    Library { symbolic: SymbolicCholesky<usize>, factor: Vec<f64>, memory: MemBuffer },
-    /// By fronts, for many times; with the operations that the order came to when it was made.
-    Fronts { elimination: Elimination, fronts: Fronts, asked: f64 },
+    /// By faer, for a few factorisations.
+    Faer { symbolic: SymbolicCholesky<usize>, factor: Vec<f64>, memory: MemBuffer },
+    /// By the multifrontal method, for many.
+    Multifrontal {
+        symbolic: SymbolicFactorisation,
+        /// Operation count when the ordering was made.
+        ordering_cost: f64,
+        numeric: Multifrontal,
+    },
 }
 
 impl Cholesky {
-    /// Orders and analyses `pattern`, for a few factorisations.
+    /// Orders and analyses `pattern` for a few factorisations.
     ///
     /// # Errors
     /// [`crate::Error::Numeric`] when memory runs out.
@@ -61,58 +67,68 @@ impl Cholesky {
         let memory =
             MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(8, Par::Seq).or(factorise));
         let factor = vec![0.0; symbolic.len_val()];
-        Ok(Self { pattern, method: Method::Library { symbolic, factor, memory } })
+        Ok(Self { pattern, method: Method::Faer { symbolic, factor, memory } })
     }
 
-    /// Orders and analyses `pattern`, for many factorisations: takes longer if the matrix is large,
-    /// so that they do not. With `groups`, unknowns of the same group go together.
+    /// Orders and analyses `pattern` for many factorisations: takes longer if the matrix is large,
+    /// so that they take less. Unknowns of the same one of the `blocks` are eliminated together.
     ///
     /// # Errors
     /// [`crate::Error::Numeric`] when memory runs out.
-    pub fn for_many(pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
-        let elimination = match groups {
-            Some(groups) => best(&groups, LARGE_GROUPS)?,
-            None if pattern.size() < LARGE => return Self::new(pattern),
-            None => best(&alone(&pattern), LARGE)?,
+    pub fn for_many(pattern: SymmetricPattern, blocks: Option<IndexBlocks>) -> Result<Self> {
+        let symbolic = match blocks {
+            Some(blocks) => best_ordering(&blocks, MIN_DISSECTED_BLOCKS)?,
+            None if pattern.size() < MIN_DISSECTED_UNKNOWNS => return Self::new(pattern),
+            None => best_ordering(&IndexBlocks::scalar(&pattern), MIN_DISSECTED_UNKNOWNS)?,
         };
-        let asked = elimination.operations;
-        Ok(Self::by_fronts(pattern, elimination, asked))
+        let ordering_cost = symbolic.operations;
+        Ok(Self::multifrontal(pattern, symbolic, ordering_cost))
     }
 
-    fn by_fronts(pattern: SymmetricPattern, elimination: Elimination, asked: f64) -> Self {
-        let fronts = Fronts::new(&pattern, &elimination);
-        Self { pattern, method: Method::Fronts { elimination, fronts, asked } }
+    fn multifrontal(
+        pattern: SymmetricPattern,
+        symbolic: SymbolicFactorisation,
+        ordering_cost: f64,
+    ) -> Self {
+        let numeric = Multifrontal::new(&pattern, &symbolic);
+        Self { pattern, method: Method::Multifrontal { symbolic, ordering_cost, numeric } }
     }
 
-    /// As [`Cholesky::for_many`], for a `pattern` that has become another, e.g. by more couplings;
-    /// the order is kept as long as it is good.
+    /// Exchanges the pattern, e.g. for one with more couplings, and analyses it as
+    /// [`Cholesky::for_many`] does. The ordering is kept as long as it is good.
     ///
     /// # Errors
     /// As [`Cholesky::for_many`].
-    pub fn again(self, pattern: SymmetricPattern, groups: Option<Groups>) -> Result<Self> {
-        if let Method::Fronts { elimination, asked, .. } = self.method
-            && let Some(groups) = &groups
+    pub fn reanalyse(
+        &mut self,
+        pattern: SymmetricPattern,
+        blocks: Option<IndexBlocks>,
+    ) -> Result<()> {
+        if let Method::Multifrontal { symbolic, ordering_cost, .. } = &self.method
+            && let Some(blocks) = &blocks
         {
-            let elimination = Elimination::of(groups, &elimination.groups);
-            if elimination.operations <= WORSE * asked {
-                return Ok(Self::by_fronts(pattern, elimination, asked));
+            let ordering_cost = *ordering_cost;
+            let symbolic = SymbolicFactorisation::analyse(blocks, &symbolic.block_order);
+            if symbolic.operations <= ORDERING_SLACK * ordering_cost {
+                *self = Self::multifrontal(pattern, symbolic, ordering_cost);
+                return Ok(());
             }
         }
-        Self::for_many(pattern, groups)
+        *self = Self::for_many(pattern, blocks)?;
+        Ok(())
     }
 
-    /// The pattern given to [`Cholesky::new`].
+    /// The pattern that is factorised.
     pub fn pattern(&self) -> &SymmetricPattern {
         &self.pattern
     }
 
-    /// Factorises the matrix with these lower-triangle `values`. Returns whether it is positive
-    /// definite; only then may
-    /// [`Cholesky::solve`] follow.
+    /// Factorises the matrix with these lower-triangle `values`. Returns false if it is not
+    /// positive definite; then [`Cholesky::solve`] must not follow.
     pub fn factorise(&mut self, values: &[f64]) -> bool {
         match &mut self.method {
-            Method::Fronts { fronts, .. } => fronts.factorise(values),
-            Method::Library { symbolic, factor, memory } => {
+            Method::Multifrontal { numeric, .. } => numeric.factorise(values),
+            Method::Faer { symbolic, factor, memory } => {
                 let matrix = SparseColMatRef::new(view(&self.pattern), values);
                 let (side, regularisation) = (Side::Lower, LltRegularization::default());
                 let stack = MemStack::new(memory);
@@ -134,8 +150,8 @@ impl Cholesky {
     /// Replaces `x` by A⁻¹x.
     pub fn solve(&mut self, x: &mut [f64]) {
         match &mut self.method {
-            Method::Fronts { fronts, .. } => fronts.solve(x),
-            Method::Library { symbolic, factor, memory } => {
+            Method::Multifrontal { numeric, .. } => numeric.solve(x),
+            Method::Faer { symbolic, factor, memory } => {
                 let n = x.len();
                 let x = MatMut::from_column_major_slice_mut(x, n, 1);
                 LltRef::new(symbolic, factor).solve_in_place_with_conj(
@@ -152,7 +168,7 @@ impl Cholesky {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::dissection::dissect;
+    use crate::linalg::nested_dissection::dissect;
     use crate::linalg::ordering::minimum_degree;
 
     #[test]
@@ -223,11 +239,12 @@ mod tests {
     fn dissection_beats_minimum_degree_on_a_tube_and_is_as_good_on_a_sheet() {
         for (tube, entries, work) in [(true, 0.9, 0.8), (false, 1.03, 1.03)] {
             let pattern = shell(100, tube);
-            let unknowns = alone(&pattern);
-            let dissected = Elimination::of(&unknowns, &dissect(&pattern));
-            let by_degree = Elimination::of(&unknowns, &minimum_degree(&pattern).unwrap());
-            let stored = |elimination: &Elimination| {
-                elimination
+            let unknowns = IndexBlocks::scalar(&pattern);
+            let dissected = SymbolicFactorisation::analyse(&unknowns, &dissect(&pattern));
+            let by_degree =
+                SymbolicFactorisation::analyse(&unknowns, &minimum_degree(&pattern).unwrap());
+            let stored = |symbolic: &SymbolicFactorisation| {
+                symbolic
                     .supernodes
                     .iter()
                     .map(|node| node.columns.len() * (node.columns.len() + node.rows.len()))
@@ -245,12 +262,14 @@ mod tests {
                     .collect()
             };
             let graph = SymmetricPattern::from_columns((0..vertices).map(below).collect());
-            let groups = Groups {
+            let blocks = IndexBlocks {
                 graph,
                 members: (0..vertices).map(|v| vec![3 * v, 3 * v + 1, 3 * v + 2]).collect(),
             };
-            assert!(best(&groups, LARGE_GROUPS).unwrap().operations < 1.03 * least);
-            assert_eq!(best(&unknowns, LARGE).unwrap().operations, least);
+            assert!(
+                best_ordering(&blocks, MIN_DISSECTED_BLOCKS).unwrap().operations < 1.03 * least
+            );
+            assert_eq!(best_ordering(&unknowns, MIN_DISSECTED_UNKNOWNS).unwrap().operations, least);
         }
     }
 
@@ -267,7 +286,8 @@ mod tests {
             pool.install(|| {
                 let mut cholesky = Cholesky::for_many(pattern.clone(), None).unwrap();
                 assert!(
-                    matches!(cholesky.method, Method::Fronts { .. }) && cholesky.factorise(&values)
+                    matches!(cholesky.method, Method::Multifrontal { .. })
+                        && cholesky.factorise(&values)
                 );
                 let mut x = right.clone();
                 cholesky.solve(&mut x);
@@ -295,14 +315,14 @@ mod tests {
         let elements: Vec<Vec<usize>> = (0..n - 6).map(|i| (i..i + 7).collect()).collect();
         let pattern = SymmetricPattern::from_elements(n, elements.iter().map(Vec::as_slice));
         let values = dominant(&pattern);
-        let unknowns = alone(&pattern);
+        let unknowns = IndexBlocks::scalar(&pattern);
         let expected: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
         let mut right = vec![0.0; n];
         pattern.multiply(&values, &expected, &mut right);
         let solved = |order: &[usize]| {
-            let elimination = Elimination::of(&unknowns, order);
-            let asked = elimination.operations;
-            let mut cholesky = Cholesky::by_fronts(pattern.clone(), elimination, asked);
+            let symbolic = SymbolicFactorisation::analyse(&unknowns, order);
+            let cost = symbolic.operations;
+            let mut cholesky = Cholesky::multifrontal(pattern.clone(), symbolic, cost);
             assert!(cholesky.factorise(&values));
             let mut x = right.clone();
             cholesky.solve(&mut x);

@@ -6,6 +6,9 @@
 //! nearest integers first, so the first leaf is Babai's plane rounding, and the result is never
 //! worse than that.
 
+/// Least pivot, relative to the diagonal entry, that is clear of rounding.
+const MIN_PIVOT: f64 = 1e-14;
+
 /// A vector of integers near a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Closest {
@@ -13,7 +16,7 @@ pub struct Closest {
     pub integers: Vec<i64>,
     /// (z − c)ᵀ M (z − c).
     pub distance_squared: f64,
-    /// Whether the search was complete, so that no other vector is nearer.
+    /// True if the search was complete, so that no other vector is nearer.
     pub exact: bool,
 }
 
@@ -29,7 +32,7 @@ pub fn closest_integers(m: &[f64], target: &[f64], node_budget: usize) -> Closes
         for k in 0..i {
             pivot -= r[k * n + i] * r[k * n + i];
         }
-        let floor = 1e-14 * m[i * n + i].abs().max(f64::MIN_POSITIVE);
+        let floor = MIN_PIVOT * m[i * n + i].abs().max(f64::MIN_POSITIVE);
         let d = pivot.max(floor).sqrt();
         r[i * n + i] = d;
         for j in i + 1..n {

@@ -1,110 +1,87 @@
-//! Projected Newton: minimise a smooth energy under lower bounds on some unknowns, with one sparse
-//! Cholesky per iteration.
+//! Projected Newton: minimises a smooth energy under lower bounds on some unknowns, with one sparse
+//! Cholesky factorisation per iteration.
 //!
-//! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982); the others take
-//! a Newton step that is projected back onto the bounds along a line search, which goes back where
-//! the step is too long and on where the energy falls faster than foreseen. Far from the minimum
-//! the element Hessians are made positive semidefinite; near it the true Hessian is tried, which
-//! gives quadratic convergence (`descent`). Everything is expected to be without unit and of order
-//! one, so that no tolerance mixes units.
+//! Unknowns at their bound whose gradient pushes outward are held (Bertsekas 1982). The others take
+//! a Newton step that is projected back onto the bounds along a line search (`line_search`), which
+//! backtracks where the step is too long and expands it where the energy falls faster than
+//! predicted. Far from the minimum the element Hessians are projected to positive semidefinite
+//! ones; near it the true Hessian is tried, which gives quadratic convergence (`newton_direction`).
+//! A gradient that vanishes at a saddle is left along a direction of negative curvature (`saddle`).
 //!
-//! A problem may leave small, far couplings out of the factorised matrix; conjugate gradients put
-//! them right.
+//! A problem may leave small, far couplings out of the factorised matrix; preconditioned conjugate
+//! gradients account for them.
 
-use super::descent::{Descent, Wanted};
-use super::elimination::Groups;
-use super::saddle::downward;
-pub use super::small::Convexity;
-use super::sparse::SymmetricPattern;
+use super::damping::Damping;
+use super::line_search::{ENERGY_ROUNDING, Line, LineSearch};
+use super::newton_direction::{DirectionRequest, NewtonDirection};
+use super::problem::Problem;
+use super::psd_projection::PsdProjection;
+use super::saddle;
 use crate::Result;
-use crate::progress::{Observer, Step};
+use crate::progress::{self, Observer};
 
-/// Share of the largest diagonal entry that is added after the first short step
-/// (Levenberg–Marquardt).
-const FIRST_DAMPING: f64 = 1e-8;
-/// The same at most, where walls ([`Problem::longest_step`]) and not the energy cut steps short.
-const MOST_WALL_DAMPING: f64 = 1e-4;
+/// Largest ε of Bertsekas' ε-active set: unknowns this near to their bound count as at it.
+const MAX_ACTIVE_BAND: f64 = 1e-3;
+/// Share of the energy: the true Hessian is tried after a step that lowers the energy by less.
+const NEAR_CONVERGENCE: f64 = 1e-2;
+/// Share of its old value to which the projected gradient must fall for a step whose decrease of
+/// the energy is below rounding.
+const GRADIENT_DECREASE: f64 = 0.9;
+/// Largest number of saddles that are escaped.
+const MAX_SADDLES: usize = 5;
 
-/// A whole step along which the energy falls by more than this share of its slope (half of it, if
-/// the energy bends as the model does) is too short: then multiples of it are tried, up to so many.
-const LESS_BENT: f64 = 0.7;
-const LONGEST_STEP: f64 = 64.0;
-
-/// Saddles left at most, and the longest first step (largest component) away from one.
-const MOST_SADDLES: usize = 5;
-const LONGEST_LEAVE: f64 = 0.1;
-
-/// An energy that [`minimise`] can minimise.
-pub trait Problem: Send {
-    /// Which unknowns its Hessian couples.
-    fn pattern(&self) -> SymmetricPattern;
-    /// `[n]` lower bound of each unknown; −∞ for none.
-    fn lower_bounds(&self) -> Vec<f64>;
-    /// The energy at `x`.
-    fn energy(&mut self, x: &[f64]) -> f64;
-    /// The energy at `x` and its gradient; remembers `x` for [`Problem::hessian`].
-    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64;
-    /// Adds to `out` (`[n]`) what the Hessian does to `x` (`[n]`) beyond its values on
-    /// [`Problem::pattern`], if the pattern leaves small, far couplings out; the values must then
-    /// bound the whole Hessian from above. Returns whether there is anything.
-    fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
-        let _ = (x, out);
-        false
-    }
-    /// The longest part (0 to 1) of the step `direction` from `x`, where the problem was last
-    /// evaluated, that may be tried, where the energy has walls (contact).
-    fn longest_step(&mut self, x: &[f64], direction: &[f64]) -> f64 {
-        let _ = (x, direction);
-        1.0
-    }
-    /// The new pattern, if unknowns came to be coupled (contact) that were not before; asked after
-    /// [`Problem::linearise`].
-    fn changed_pattern(&mut self) -> Option<SymmetricPattern> {
-        None
-    }
-    /// Which unknowns are better eliminated together (the coordinates of a vertex) on the pattern
-    /// as it is now; `None` if that is not known.
-    fn groups(&self) -> Option<Groups> {
-        None
-    }
-    /// Values on [`Problem::pattern`] of the Hessian where [`Problem::linearise`] was last called.
-    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]);
-}
-
-/// How [`minimise`] goes about it.
+/// Settings of [`minimise`].
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Name of the step, for the observer.
+    /// Name of the stage, for the observer.
     pub stage: &'static str,
-    /// Iterations at most.
+    /// Largest number of iterations.
     pub iteration_limit: usize,
-    /// The step ends when no component of the projected gradient is larger.
+    /// Largest component of the projected gradient at which the minimisation has converged.
     pub tolerance: f64,
-    /// The step ends, too, with a Newton step of the true Hessian, positive definite, that was to
-    /// lower the energy by less; 0 for never. (By energy and not by gradient, so that what costs
-    /// next to nothing, such as phases where there is hardly an amplitude, does not count.)
-    pub least_fall: f64,
-    /// How element Hessians are treated until the true Hessian is positive definite.
-    pub convexity: Convexity,
-    /// Share of the largest diagonal entry that is added to each, so that directions without
-    /// stiffness do not move.
+    /// Predicted decrease of the energy (half the Newton decrement squared) at which the
+    /// minimisation has converged, too, if the step is that of the true, positive definite Hessian;
+    /// 0 for never. (By energy and not by gradient, so that unknowns that cost next to nothing,
+    /// such as phases where there is hardly an amplitude, do not count.)
+    pub predicted_decrease_tolerance: f64,
+    /// Projection of element Hessians until the true Hessian is positive definite.
+    pub psd_projection: PsdProjection,
+    /// Ridge: share of the Hessian's largest diagonal entry that is added to each, so that
+    /// directions without stiffness do not move.
     pub ridge: f64,
-    /// Whether a minimum near to the start is wanted, as where a surface is followed while it
-    /// grows, and not any that is low: then no step goes on, and steps are those of the true
-    /// Hessian or of the convex one.
-    pub nearest: bool,
-    /// Whether to ask, where the gradient vanishes, that the energy be least there too, and to go
+    /// True to stay in the basin of the start, as where a surface is followed while it grows, and
+    /// not to look for any low minimum: then no step is expanded, and the Hessian is either the
+    /// true or the projected one, never a blend.
+    pub stay_in_basin: bool,
+    /// True to test, where the gradient vanishes, that the Hessian is positive definite, and to go
     /// on along a direction of negative curvature if it is not. For problems without lower bounds.
-    pub leave_saddles: bool,
+    pub escape_saddles: bool,
     /// Joules in one unit of energy, for the observer.
     pub energy_unit_joule: f64,
 }
 
-/// How a minimisation ended.
+impl Options {
+    /// Options with defaults for all but the `stage` and the unit of energy.
+    pub fn new(stage: &'static str, energy_unit_joule: f64) -> Self {
+        Self {
+            stage,
+            iteration_limit: 1000,
+            tolerance: 1e-10,
+            predicted_decrease_tolerance: 0.0,
+            psd_projection: PsdProjection::Clamp,
+            ridge: 1e-14,
+            stay_in_basin: false,
+            escape_saddles: false,
+            energy_unit_joule,
+        }
+    }
+}
+
+/// The reason why a minimisation ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
-    /// The projected gradient is below the tolerance, or nothing is to be gained by a step
-    /// ([`Options::least_fall`]).
+    /// The projected gradient is below the tolerance, or so is the predicted decrease
+    /// ([`Options::predicted_decrease_tolerance`]).
     Converged,
     /// No step lowers the energy any more; the projected gradient is as small as rounding lets it
     /// become.
@@ -115,7 +92,7 @@ pub enum Ending {
     Cancelled,
 }
 
-/// Where a minimisation ended.
+/// The end of a minimisation.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// `[n]` the unknowns.
@@ -132,9 +109,9 @@ pub struct Outcome {
     pub ending: Ending,
 }
 
-/// The part of a gradient component that a lower bound leaves: zero where it pushes against the
-/// bound.
-pub fn projected(x: f64, lower: f64, gradient: f64) -> f64 {
+/// The projected gradient's component of an unknown `x` with a `lower` bound: zero where the
+/// gradient pushes against the bound.
+pub fn projected_gradient(x: f64, lower: f64, gradient: f64) -> f64 {
     if x <= lower { gradient.min(0.0) } else { gradient }
 }
 
@@ -148,232 +125,236 @@ pub fn minimise(
     options: &Options,
     observer: &dyn Observer,
 ) -> Result<Outcome> {
-    let n = start.len();
-    let lower = problem.lower_bounds();
-    let groups = problem.groups();
-    let mut x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
-    let mut gradient = vec![0.0; n];
-    let pattern = problem.pattern();
-    let (descent, mut energy) = rayon::join(
-        || Descent::new(pattern, groups, options.nearest),
-        || problem.linearise(&x, &mut gradient),
-    );
-    let mut descent = descent?;
-    let (mut direction, mut trial, mut trial_gradient) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let mut held = vec![false; n];
-    let mut residual = largest_projected(&x, &lower, &gradient);
-    let mut settled = false;
-    let mut saddles = 0;
-    let mut damping = options.ridge;
-    let mut iterations = 0;
-    let ending = loop {
-        if residual <= options.tolerance {
-            if !leave(problem, &mut descent, options, &mut saddles, &x, energy, &mut trial) {
-                break Ending::Converged;
+    let mut minimisation = Minimisation::new(problem, start, options)?;
+    let ending = minimisation.run(observer)?;
+    Ok(Outcome {
+        x: minimisation.x,
+        energy: minimisation.energy,
+        gradient: minimisation.gradient,
+        projected_gradient: minimisation.residual,
+        iterations: minimisation.iterations,
+        ending,
+    })
+}
+
+/// The state of a minimisation between two iterations.
+struct Minimisation<'a> {
+    problem: &'a mut dyn Problem,
+    options: &'a Options,
+    /// `[n]` lower bounds.
+    lower: Vec<f64>,
+    newton: NewtonDirection,
+    damping: Damping,
+    /// `[n]` the iterate.
+    x: Vec<f64>,
+    /// Energy at the iterate.
+    energy: f64,
+    /// `[n]` gradient at the iterate.
+    gradient: Vec<f64>,
+    /// Largest component of the projected gradient at the iterate.
+    residual: f64,
+    /// True if steps have become so small that the true Hessian is tried.
+    near_convergence: bool,
+    /// Saddles escaped.
+    saddles: usize,
+    /// Iterations made.
+    iterations: usize,
+    /// `[n]` unknowns held at their bound in this iteration.
+    held: Vec<bool>,
+    /// `[n]` direction of this iteration.
+    direction: Vec<f64>,
+    /// `[n]` the point that is tried next.
+    trial: Vec<f64>,
+    /// `[n]` memory for the gradient at a trial point, or for one more point.
+    spare: Vec<f64>,
+}
+
+impl<'a> Minimisation<'a> {
+    /// The state before the first iteration from `start`.
+    fn new(problem: &'a mut dyn Problem, start: &[f64], options: &'a Options) -> Result<Self> {
+        let n = start.len();
+        let lower = problem.lower_bounds();
+        let blocks = problem.index_blocks();
+        let x: Vec<f64> = start.iter().zip(&lower).map(|(&v, &l)| v.max(l)).collect();
+        let mut gradient = vec![0.0; n];
+        let pattern = problem.pattern();
+        let (newton, energy) = rayon::join(
+            || NewtonDirection::new(pattern, blocks, !options.stay_in_basin),
+            || problem.value_and_gradient(&x, &mut gradient),
+        );
+        Ok(Self {
+            problem,
+            options,
+            newton: newton?,
+            damping: Damping::new(options.ridge),
+            residual: largest_projected(&x, &lower, &gradient),
+            lower,
+            x,
+            energy,
+            gradient,
+            near_convergence: false,
+            saddles: 0,
+            iterations: 0,
+            held: vec![false; n],
+            direction: vec![0.0; n],
+            trial: vec![0.0; n],
+            spare: vec![0.0; n],
+        })
+    }
+
+    /// Iterates until it ends.
+    fn run(&mut self, observer: &dyn Observer) -> Result<Ending> {
+        loop {
+            if self.residual <= self.options.tolerance {
+                if !self.escape_saddle() {
+                    return Ok(Ending::Converged);
+                }
+                self.move_to_trial();
             }
-            std::mem::swap(&mut x, &mut trial);
-            energy = problem.linearise(&x, &mut gradient);
-            residual = largest_projected(&x, &lower, &gradient);
-            settled = false;
+            if self.iterations >= self.options.iteration_limit {
+                return Ok(Ending::IterationLimit);
+            }
+            if observer.cancelled() {
+                return Ok(Ending::Cancelled);
+            }
+            let ending = self.iterate()?;
+            if ending == Some(Ending::RoundOff) {
+                return Ok(Ending::RoundOff);
+            }
+            observer.step(&progress::Step {
+                stage: self.options.stage,
+                iteration: self.iterations,
+                limit: self.options.iteration_limit,
+                energy_joule: self.energy * self.options.energy_unit_joule,
+                residual: self.residual,
+                tolerance: self.options.tolerance,
+            });
+            if let Some(ending) = ending {
+                return Ok(ending);
+            }
         }
-        if iterations >= options.iteration_limit {
-            break Ending::IterationLimit;
+    }
+
+    /// One iteration: a direction, a line search along it, and the step. Returns the reason to end
+    /// with it, if there is one.
+    fn iterate(&mut self) -> Result<Option<Ending>> {
+        if let Some(pattern) = self.problem.new_sparsity() {
+            self.newton.set_pattern(pattern, self.problem.index_blocks())?;
         }
-        if observer.cancelled() {
-            break Ending::Cancelled;
-        }
-        if let Some(pattern) = problem.changed_pattern() {
-            descent = descent.again(pattern, problem.groups())?;
-        }
-        // Bertsekas' ε: unknowns this near to their bound count as at it.
-        let near = residual.min(1e-3);
-        for i in 0..n {
-            held[i] = x[i] <= lower[i] + near && gradient[i] > 0.0;
-        }
-        let wanted = Wanted {
-            convexity: options.convexity,
-            settled,
-            damping,
-            held: &held,
-            gradient: &gradient,
+        self.hold_active_bounds();
+        let request = DirectionRequest {
+            projection: self.options.psd_projection,
+            near_convergence: self.near_convergence,
+            damping: self.damping.share,
+            held: &self.held,
+            gradient: &self.gradient,
         };
-        let solved = descent.find(problem, &wanted, &mut direction);
-        let exact = solved && settled && damping <= options.ridge && descent.exact();
-        let last = exact && fall(&x, &lower, &gradient, &direction) < options.least_fall;
-        let mut accepted = false;
-        if solved {
-            let longest = problem.longest_step(&x, &direction);
-            let mut length = longest;
-            for _ in 0..40 {
-                let mut slope = 0.0;
-                for i in 0..n {
-                    trial[i] = (x[i] + length * direction[i]).max(lower[i]);
-                    slope += gradient[i] * (trial[i] - x[i]);
-                }
-                // Below this an energy difference is rounding; the gradient decides instead.
-                if slope.abs() < 1e-13 * energy.abs() {
-                    let trial_energy = problem.linearise(&trial, &mut trial_gradient);
-                    let trial_residual = largest_projected(&trial, &lower, &trial_gradient);
-                    if trial_residual < 0.9 * residual
-                        && trial_energy <= energy + 1e-13 * energy.abs()
-                    {
-                        accepted = true;
-                        energy = trial_energy.min(energy);
-                    }
-                    break;
-                }
-                let mut trial_energy = problem.energy(&trial);
-                if slope < 0.0 && trial_energy <= energy + 1e-4 * slope {
-                    accepted = true;
-                    // A short step says that the model reaches too far, e.g. that a slack face
-                    // would be pulled taut; or that there is a wall: then some damping keeps the
-                    // rest from sliding along it, and more would keep it from moving at all.
-                    let more = (damping * 100.0).max(FIRST_DAMPING);
-                    if length < 0.3 * longest {
-                        damping = more;
-                    } else if length < 0.3 {
-                        damping = damping.max(more.min(MOST_WALL_DAMPING));
-                    } else if length == 1.0 {
-                        damping = (damping * 0.1).max(options.ridge);
-                    }
-                    if length == 1.0
-                        && settled
-                        && !options.nearest
-                        && trial_energy < energy + LESS_BENT * slope
-                    {
-                        trial_energy = go_on(
-                            problem,
-                            &x,
-                            &direction,
-                            &lower,
-                            trial_energy,
-                            &mut trial,
-                            &mut trial_gradient,
-                        );
-                    }
-                    settled = energy - trial_energy < 1e-2 * energy.abs();
-                    break;
-                }
-                length *= 0.5;
-            }
-        }
-        iterations += 1;
+        let found = self.newton.compute(self.problem, &request, &mut self.direction);
+        let is_newton = found
+            && self.near_convergence
+            && self.damping.is_off()
+            && self.newton.is_true_hessian();
+        let last = is_newton
+            && self.line().predicted_decrease() < self.options.predicted_decrease_tolerance;
+        let accepted = found && self.search();
+        self.iterations += 1;
         if !accepted {
             // The problem remembers a trial point now.
-            problem.linearise(&x, &mut gradient);
-            if !leave(problem, &mut descent, options, &mut saddles, &x, energy, &mut trial) {
-                break Ending::RoundOff;
+            self.problem.value_and_gradient(&self.x, &mut self.gradient);
+            if !self.escape_saddle() {
+                return Ok(Some(Ending::RoundOff));
             }
-            settled = false;
         }
-        std::mem::swap(&mut x, &mut trial);
-        energy = problem.linearise(&x, &mut gradient);
-        residual = largest_projected(&x, &lower, &gradient);
-        observer.step(&Step {
-            stage: options.stage,
-            iteration: iterations,
-            limit: options.iteration_limit,
-            energy_joule: energy * options.energy_unit_joule,
-            residual,
-            tolerance: options.tolerance,
+        self.move_to_trial();
+        Ok(last.then_some(Ending::Converged))
+    }
+
+    /// Marks the unknowns that are held: those at their bound, or nearly so, whose gradient pushes
+    /// outward.
+    fn hold_active_bounds(&mut self) {
+        let band = self.residual.min(MAX_ACTIVE_BAND);
+        for i in 0..self.x.len() {
+            self.held[i] = self.x[i] <= self.lower[i] + band && self.gradient[i] > 0.0;
+        }
+    }
+
+    /// The line from the iterate along the direction.
+    fn line(&self) -> Line<'_> {
+        Line {
+            x: &self.x,
+            direction: &self.direction,
+            lower: &self.lower,
+            gradient: &self.gradient,
+            energy: self.energy,
+        }
+    }
+
+    /// Searches along the direction; returns true if the trial point is to be the next iterate.
+    fn search(&mut self) -> bool {
+        let max_size = self.problem.max_step_size(&self.x, &self.direction);
+        let Self { problem, x, direction, lower, gradient, energy, trial, spare, .. } = self;
+        let line = Line { x, direction, lower, gradient, energy: *energy };
+        match line.backtrack(&mut **problem, max_size, trial) {
+            LineSearch::Decreased(step) => {
+                self.damping.after(step.size, max_size);
+                let mut end = step.energy;
+                if self.near_convergence && !self.options.stay_in_basin && line.is_too_short(&step)
+                {
+                    end = line.expand(&mut **problem, end, trial, spare);
+                }
+                self.near_convergence = self.energy - end < NEAR_CONVERGENCE * self.energy.abs();
+                true
+            }
+            LineSearch::BelowRounding => self.gradient_decreases(),
+            LineSearch::Failed => false,
+        }
+    }
+
+    /// True if the gradient is smaller at the trial point, and the energy there not larger than
+    /// rounding explains.
+    fn gradient_decreases(&mut self) -> bool {
+        let energy = self.problem.value_and_gradient(&self.trial, &mut self.spare);
+        let residual = largest_projected(&self.trial, &self.lower, &self.spare);
+        residual < GRADIENT_DECREASE * self.residual
+            && energy <= self.energy + ENERGY_ROUNDING * self.energy.abs()
+    }
+
+    /// Makes the trial point the iterate.
+    fn move_to_trial(&mut self) {
+        std::mem::swap(&mut self.x, &mut self.trial);
+        self.energy = self.problem.value_and_gradient(&self.x, &mut self.gradient);
+        self.residual = largest_projected(&self.x, &self.lower, &self.gradient);
+    }
+
+    /// If that is asked for and the Hessian at the iterate, where the problem was last evaluated,
+    /// is not positive definite: sets the trial point to one with less energy. Returns true if
+    /// there is one.
+    fn escape_saddle(&mut self) -> bool {
+        if !self.options.escape_saddles || self.saddles == MAX_SADDLES {
+            return false;
+        }
+        self.saddles += 1;
+        let Options { psd_projection, ridge, .. } = *self.options;
+        let direction = saddle::negative_curvature_direction(
+            self.problem,
+            &mut self.newton,
+            psd_projection,
+            ridge,
+        );
+        let escaped = direction.is_some_and(|direction| {
+            saddle::escape(self.problem, &self.x, self.energy, &direction, &mut self.trial)
         });
-        if last {
-            break Ending::Converged;
+        if escaped {
+            self.near_convergence = false;
         }
-    };
-    Ok(Outcome { x, energy, gradient, projected_gradient: residual, iterations, ending })
-}
-
-/// If it is asked for and the Hessian where the problem was last linearised, at `x`, is not
-/// positive definite: `trial` lower down; tells whether there is one.
-fn leave(
-    problem: &mut dyn Problem,
-    descent: &mut Descent,
-    options: &Options,
-    saddles: &mut usize,
-    x: &[f64],
-    energy: f64,
-    trial: &mut [f64],
-) -> bool {
-    if !options.leave_saddles || *saddles == MOST_SADDLES {
-        return false;
+        escaped
     }
-    *saddles += 1;
-    let way = downward(problem, descent, options.convexity, options.ridge);
-    way.is_some_and(|way| step_down(problem, x, energy, &way, trial))
-}
-
-/// Goes from the saddle `x` along `way` (either sign) as far as the energy falls well below
-/// `energy`; tells whether it does at all.
-fn step_down(
-    problem: &mut dyn Problem,
-    x: &[f64],
-    energy: f64,
-    way: &[f64],
-    trial: &mut [f64],
-) -> bool {
-    let direction: Vec<f64> = way.iter().map(|w| w * LONGEST_LEAVE).collect();
-    let mut length = problem.longest_step(x, &direction);
-    let mut least = (energy - 1e-13 * energy.abs(), 0.0);
-    for _ in 0..30 {
-        for i in 0..x.len() {
-            trial[i] = x[i] + length * direction[i];
-        }
-        let there = problem.energy(trial);
-        if there < least.0 {
-            least = (there, length);
-        } else if least.1 > 0.0 {
-            break;
-        }
-        length *= 0.5;
-    }
-    for i in 0..x.len() {
-        trial[i] = x[i] + least.1 * direction[i];
-    }
-    least.1 > 0.0
-}
-
-/// From `trial`, the end of the whole step `direction` from `x`, where the energy is `energy`: to
-/// twice, four times, … that step, as long as the energy falls and no wall is met. Returns the
-/// energy at the new `trial`; `farther` is room for one more.
-fn go_on(
-    problem: &mut dyn Problem,
-    x: &[f64],
-    direction: &[f64],
-    lower: &[f64],
-    mut energy: f64,
-    trial: &mut Vec<f64>,
-    farther: &mut Vec<f64>,
-) -> f64 {
-    let way: Vec<f64> = direction.iter().map(|d| d * LONGEST_STEP).collect();
-    let longest = 1.0 + LONGEST_STEP * problem.longest_step(trial, &way);
-    let mut length = 2.0;
-    while length <= longest {
-        for i in 0..x.len() {
-            farther[i] = (x[i] + length * direction[i]).max(lower[i]);
-        }
-        let there = problem.energy(farther);
-        if there.is_nan() || there >= energy {
-            break;
-        }
-        energy = there;
-        std::mem::swap(trial, farther);
-        length *= 2.0;
-    }
-    energy
-}
-
-/// How much a quadratic energy falls by its Newton step `direction` from `x`.
-fn fall(x: &[f64], lower: &[f64], gradient: &[f64], direction: &[f64]) -> f64 {
-    let slope: f64 =
-        (0..x.len()).map(|i| gradient[i] * ((x[i] + direction[i]).max(lower[i]) - x[i])).sum();
-    -0.5 * slope
 }
 
 fn largest_projected(x: &[f64], lower: &[f64], gradient: &[f64]) -> f64 {
     let mut largest = 0.0_f64;
     for i in 0..x.len() {
-        largest = largest.max(projected(x[i], lower[i], gradient[i]).abs());
+        largest = largest.max(projected_gradient(x[i], lower[i], gradient[i]).abs());
     }
     largest
 }
@@ -381,6 +362,7 @@ fn largest_projected(x: &[f64], lower: &[f64], gradient: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::sparse::SymmetricPattern;
     use crate::progress::Silent;
 
     /// Rosenbrock's valley in pairs, with x₀ ≥ 1.5: the minimum lies on the bound.
@@ -398,16 +380,19 @@ mod tests {
         fn energy(&mut self, x: &[f64]) -> f64 {
             100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2)
         }
-        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
             let d = x[1] - x[0] * x[0];
             g[0] = -400.0 * x[0] * d - 2.0 * (1.0 - x[0]);
             g[1] = 200.0 * d;
             self.hessian = [-400.0 * d + 800.0 * x[0] * x[0] + 2.0, -400.0 * x[0], 200.0];
             self.energy(x)
         }
-        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+        fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
             let [a, b, c] = self.hessian;
-            let h = crate::linalg::small::convexify(&nalgebra::Matrix2::new(a, b, b, c), convexity);
+            let h = crate::linalg::psd_projection::project_to_psd(
+                &nalgebra::Matrix2::new(a, b, b, c),
+                projection,
+            );
             values.copy_from_slice(&[h[(0, 0)], h[(1, 0)], h[(1, 1)]]);
         }
     }
@@ -415,15 +400,10 @@ mod tests {
     #[test]
     fn finds_the_minimum_on_the_bound() {
         let options = Options {
-            stage: "test",
             iteration_limit: 200,
             tolerance: 1e-10,
-            least_fall: 0.0,
-            convexity: Convexity::Mirrored,
-            ridge: 1e-14,
-            nearest: false,
-            leave_saddles: false,
-            energy_unit_joule: 1.0,
+            psd_projection: PsdProjection::Abs,
+            ..Options::new("test", 1.0)
         };
         let outcome =
             minimise(&mut Valley { hessian: [0.0; 3] }, &[4.0, -3.0], &options, &Silent).unwrap();
@@ -462,7 +442,7 @@ mod tests {
             let push: f64 = x.iter().enumerate().map(|(i, x)| x * self.push(i)).sum();
             1.0 + 0.5 * (chain + ground + Self::SOFT * all * all) - push
         }
-        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
             let all: f64 = x.iter().sum();
             for i in 0..self.n {
                 let left = if i > 0 { x[i] - x[i - 1] } else { 0.0 };
@@ -471,7 +451,7 @@ mod tests {
             }
             self.energy(x)
         }
-        fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
+        fn apply_hessian_remainder(&self, x: &[f64], out: &mut [f64]) -> bool {
             // The diagonal of the pattern bounds what is left out: SOFT·n on each unknown.
             let all: f64 = x.iter().sum();
             for (out, x) in out.iter_mut().zip(x) {
@@ -479,7 +459,7 @@ mod tests {
             }
             self.left_out
         }
-        fn hessian(&mut self, _: Convexity, values: &mut [f64]) {
+        fn hessian(&mut self, _: PsdProjection, values: &mut [f64]) {
             let pattern = self.pattern();
             values.fill(0.0);
             for i in 0..self.n {
@@ -496,15 +476,10 @@ mod tests {
     #[test]
     fn what_the_pattern_leaves_out_is_put_right() {
         let options = Options {
-            stage: "test",
             iteration_limit: 100,
             tolerance: 1e-11,
-            least_fall: 0.0,
-            convexity: Convexity::Clamped,
             ridge: 0.0,
-            nearest: false,
-            leave_saddles: false,
-            energy_unit_joule: 1.0,
+            ..Options::new("test", 1.0)
         };
         let steps = |left_out| {
             minimise(&mut Chain { n: 400, left_out }, &[0.0; 400], &options, &Silent).unwrap()
@@ -536,15 +511,15 @@ mod tests {
         fn energy(&mut self, x: &[f64]) -> f64 {
             x[0].powi(4) / 4.0 - x[0] * x[0] / 2.0 + (x[1] - 1.0).powi(2) / 2.0
         }
-        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
             self.x = x[0];
             g.copy_from_slice(&[x[0].powi(3) - x[0], x[1] - 1.0]);
             self.energy(x)
         }
-        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+        fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
             let bend = 3.0 * self.x * self.x - 1.0;
             values.copy_from_slice(&[
-                if convexity == Convexity::Exact { bend } else { bend.max(1e-3) },
+                if projection == PsdProjection::None { bend } else { bend.max(1e-3) },
                 0.0,
                 1.0,
             ]);
@@ -553,16 +528,11 @@ mod tests {
 
     #[test]
     fn saddles_are_left_if_that_is_asked_for() {
-        let options = |leave_saddles| Options {
-            stage: "test",
+        let options = |escape_saddles| Options {
             iteration_limit: 100,
             tolerance: 1e-10,
-            least_fall: 0.0,
-            convexity: Convexity::Clamped,
-            ridge: 1e-14,
-            nearest: false,
-            leave_saddles,
-            energy_unit_joule: 1.0,
+            escape_saddles,
+            ..Options::new("test", 1.0)
         };
         let found =
             |leave| minimise(&mut Wells { x: 0.0 }, &[0.0, 5.0], &options(leave), &Silent).unwrap();
@@ -594,31 +564,22 @@ mod tests {
         fn energy(&mut self, x: &[f64]) -> f64 {
             5e3 * x[0] * x[0] + 0.5 * (x[1] - 100.0).powi(2)
         }
-        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
             g.copy_from_slice(&[1e4 * x[0], x[1] - 100.0]);
             self.energy(x)
         }
-        fn longest_step(&mut self, x: &[f64], _: &[f64]) -> f64 {
+        fn max_step_size(&mut self, x: &[f64], _: &[f64]) -> f64 {
             if (x[1] - 100.0).abs() > 1.0 { 0.2 } else { 1.0 }
         }
-        fn hessian(&mut self, _: Convexity, values: &mut [f64]) {
+        fn hessian(&mut self, _: PsdProjection, values: &mut [f64]) {
             values.copy_from_slice(&[1e4, 0.0, 1.0]);
         }
     }
 
     #[test]
     fn walls_slow_it_down_and_do_not_stop_it() {
-        let options = Options {
-            stage: "test",
-            iteration_limit: 200,
-            tolerance: 1e-9,
-            least_fall: 0.0,
-            convexity: Convexity::Clamped,
-            ridge: 1e-14,
-            nearest: false,
-            leave_saddles: false,
-            energy_unit_joule: 1.0,
-        };
+        let options =
+            Options { iteration_limit: 200, tolerance: 1e-9, ..Options::new("test", 1.0) };
         let found = minimise(&mut Walled, &[3.0, 0.0], &options, &Silent).unwrap();
         assert_eq!(found.ending, Ending::Converged);
         assert!(
@@ -646,28 +607,30 @@ mod tests {
         fn energy(&mut self, x: &[f64]) -> f64 {
             1.0 + 0.5 * (x[0] - 100.0).powi(2) + 1e-9 * x[1].powi(4)
         }
-        fn linearise(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
+        fn value_and_gradient(&mut self, x: &[f64], g: &mut [f64]) -> f64 {
             self.x = [x[0], x[1]];
             g.copy_from_slice(&[x[0] - 100.0, 4e-9 * x[1].powi(3)]);
             self.energy(x)
         }
-        fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
-            let bend = if convexity == Convexity::Exact { self.exact } else { 50.0 };
+        fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
+            let bend = if projection == PsdProjection::None { self.exact } else { 50.0 };
             values.copy_from_slice(&[bend, 0.0, 12e-9 * self.x[1] * self.x[1]]);
         }
     }
 
-    fn stiff(exact: f64, least_fall: f64, begin: [f64; 2], nearest: bool) -> Outcome {
+    fn stiff(
+        exact: f64,
+        predicted_decrease_tolerance: f64,
+        begin: [f64; 2],
+        stay_in_basin: bool,
+    ) -> Outcome {
         let options = Options {
-            stage: "test",
             iteration_limit: 1000,
             tolerance: 1e-15,
-            least_fall,
-            convexity: Convexity::Clamped,
+            predicted_decrease_tolerance,
             ridge: 1e-20,
-            nearest,
-            leave_saddles: false,
-            energy_unit_joule: 1.0,
+            stay_in_basin,
+            ..Options::new("test", 1.0)
         };
         minimise(&mut Stiff { x: begin, exact }, &begin, &options, &Silent).unwrap()
     }
@@ -690,8 +653,9 @@ mod tests {
 
     #[test]
     fn it_ends_where_nothing_is_to_be_gained() {
-        let [all, enough] =
-            [0.0, 1e-13].map(|least_fall| stiff(1.0, least_fall, [100.0, 10.0], false));
+        let [all, enough] = [0.0, 1e-13].map(|predicted_decrease_tolerance| {
+            stiff(1.0, predicted_decrease_tolerance, [100.0, 10.0], false)
+        });
         assert_eq!([all.ending, enough.ending], [Ending::Converged; 2]);
         assert!(
             enough.iterations + 3 < all.iterations && enough.energy - all.energy < 1e-12,

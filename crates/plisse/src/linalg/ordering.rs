@@ -1,38 +1,43 @@
-//! Which unknown is eliminated when, so that the factor stays sparse.
+//! Fill-reducing orderings.
 //!
-//! Minimum degree and, where there is much to eliminate, nested dissection are tried, and the one
-//! with less work is taken. Where it is known which unknowns belong together (the coordinates of a
-//! vertex), they go together: then the graph of the groups is ordered instead.
+//! Minimum degree and, for large graphs, nested dissection are tried, and the one with fewer
+//! operations is taken. Index blocks (the coordinates of a vertex) stay together: the graph of the
+//! blocks is ordered.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-use super::dissection::dissect;
-use super::elimination::{Elimination, Groups};
+use super::nested_dissection::dissect;
 use super::sparse::SymmetricPattern;
+use super::symbolic::{IndexBlocks, SymbolicFactorisation};
 use crate::{Error, Result};
 
-/// Unknowns, and groups of them, from which on a dissection is worth its time.
-pub(super) const LARGE: usize = 6000;
-pub(super) const LARGE_GROUPS: usize = 2000;
-/// Groups that are coupled with this many times more others than most go last.
-const HUB: usize = 8;
+/// Number of unknowns, each a block of its own, from which on nested dissection is worth its time.
+pub(super) const MIN_DISSECTED_UNKNOWNS: usize = 6000;
+/// Number of blocks of several unknowns from which on nested dissection is worth its time.
+pub(super) const MIN_DISSECTED_BLOCKS: usize = 2000;
+/// Dense rows have more couplings than this multiple of the average; they are ordered last.
+const DENSE_FACTOR: usize = 8;
 
-/// The elimination of `groups` in a good order; a dissection is tried from `large` groups on.
+/// Symbolic factorisation in the best ordering of `blocks`; nested dissection is tried if there are
+/// at least `min_dissected`.
 ///
 /// # Errors
 /// [`Error::Numeric`] when memory runs out.
-pub(super) fn best(groups: &Groups, large: usize) -> Result<Elimination> {
-    let (few, hubs) = without_hubs(&groups.graph);
-    let by = |order: Vec<usize>| {
+pub(super) fn best_ordering(
+    blocks: &IndexBlocks,
+    min_dissected: usize,
+) -> Result<SymbolicFactorisation> {
+    let (sparse, dense) = strip_dense_rows(&blocks.graph);
+    let analyse = |order: Vec<usize>| {
         let order: Vec<usize> =
-            order.into_iter().map(|group| few.names[group]).chain(hubs.iter().copied()).collect();
-        Elimination::of(groups, &order)
+            order.into_iter().map(|node| sparse.nodes[node]).chain(dense.iter().copied()).collect();
+        SymbolicFactorisation::analyse(blocks, &order)
     };
     let (by_degree, dissected) = rayon::join(
-        || minimum_degree(&few.graph).map(by),
-        || (few.names.len() >= large).then(|| by(dissect(&few.graph))),
+        || minimum_degree(&sparse.graph).map(analyse),
+        || (sparse.nodes.len() >= min_dissected).then(|| analyse(dissect(&sparse.graph))),
     );
     let by_degree = by_degree?;
     Ok(dissected
@@ -40,22 +45,14 @@ pub(super) fn best(groups: &Groups, large: usize) -> Result<Elimination> {
         .unwrap_or(by_degree))
 }
 
-/// Each unknown of `pattern` as a group of its own.
-pub(super) fn alone(pattern: &SymmetricPattern) -> Groups {
-    Groups {
-        graph: pattern.clone(),
-        members: (0..pattern.size()).map(|unknown| vec![unknown]).collect(),
-    }
-}
-
-/// An order by approximate minimum degree.
+/// An approximate minimum degree ordering.
 pub(super) fn minimum_degree(graph: &SymmetricPattern) -> Result<Vec<usize>> {
     let (n, entries) = (graph.size(), graph.entry_count());
-    let (mut order, mut place) = (vec![0; n], vec![0; n]);
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
     let mut memory = MemBuffer::new(amd::order_maybe_unsorted_scratch::<usize>(n, entries));
     amd::order_maybe_unsorted(
         &mut order,
-        &mut place,
+        &mut inverse,
         view(graph),
         amd::Control::default(),
         MemStack::new(&mut memory),
@@ -69,34 +66,35 @@ pub(super) fn minimum_degree(graph: &SymmetricPattern) -> Result<Vec<usize>> {
     Ok(order)
 }
 
-/// A part of a graph, and the numbers of its nodes in the whole.
-struct Part {
+/// A subgraph, and the numbers of its nodes in the whole.
+struct Subgraph {
     graph: SymmetricPattern,
-    names: Vec<usize>,
+    nodes: Vec<usize>,
 }
 
-/// What is left without nodes of very many couplings, by which all would be near to all; and these
-/// nodes.
-fn without_hubs(graph: &SymmetricPattern) -> (Part, Vec<usize>) {
+/// The subgraph without dense rows, which would make all nodes neighbours of neighbours; and the
+/// dense rows.
+fn strip_dense_rows(graph: &SymmetricPattern) -> (Subgraph, Vec<usize>) {
     let n = graph.size();
-    let mut count = vec![0; n];
+    let mut degree = vec![0; n];
     for column in 0..n {
         for &row in &graph.rows[graph.columns[column]..graph.columns[column + 1]] {
-            count[row] += 1;
-            count[column] += 1;
+            degree[row] += 1;
+            degree[column] += 1;
         }
     }
-    let most = HUB * count.iter().sum::<usize>() / n.max(1);
-    let (names, hubs): (Vec<usize>, Vec<usize>) = (0..n).partition(|&node| count[node] <= most);
+    let max_degree = DENSE_FACTOR * degree.iter().sum::<usize>() / n.max(1);
+    let (nodes, dense): (Vec<usize>, Vec<usize>) =
+        (0..n).partition(|&node| degree[node] <= max_degree);
     let mut number = vec![usize::MAX; n];
-    names.iter().enumerate().for_each(|(new, &old)| number[old] = new);
+    nodes.iter().enumerate().for_each(|(new, &old)| number[old] = new);
     let (mut columns, mut rows) = (vec![0], Vec::new());
-    for &old in &names {
+    for &old in &nodes {
         let all = graph.rows[graph.columns[old]..graph.columns[old + 1]].iter();
         rows.extend(all.map(|&row| number[row]).filter(|&new| new != usize::MAX));
         columns.push(rows.len());
     }
-    (Part { graph: SymmetricPattern { columns, rows }, names }, hubs)
+    (Subgraph { graph: SymmetricPattern { columns, rows }, nodes }, dense)
 }
 
 /// `pattern` as faer takes it.

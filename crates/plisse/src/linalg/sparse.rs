@@ -1,23 +1,23 @@
-//! Symmetric sparse matrices whose pattern is known from elements before any value is.
+//! Sparsity patterns of symmetric matrices, assembled from elements before any value is known.
 
 /// Pattern of the lower triangle (with the whole diagonal) of a symmetric `n × n` matrix, column by
 /// column.
 #[derive(Clone, Debug)]
 pub struct SymmetricPattern {
-    /// `[n+1]` where each column starts in [`SymmetricPattern::rows`].
+    /// `[n+1]` start of each column in [`SymmetricPattern::rows`].
     pub columns: Vec<usize>,
     /// `[nnz]` row of each entry, ascending inside a column; the diagonal is first.
     pub rows: Vec<usize>,
 }
 
 impl SymmetricPattern {
-    /// That of no unknowns.
+    /// The pattern of no unknowns.
     pub(crate) fn empty() -> Self {
         Self { columns: vec![0], rows: Vec::new() }
     }
 
-    /// From the rows of each column (`[n]`, none above the diagonal, in any order, also more than
-    /// once).
+    /// A pattern from the rows of each column (`[n]`, none above the diagonal; in any order,
+    /// duplicates allowed).
     pub(crate) fn from_columns(mut lists: Vec<Vec<usize>>) -> Self {
         let (mut columns, mut rows) = (vec![0], Vec::new());
         for list in &mut lists {
@@ -80,7 +80,7 @@ impl SymmetricPattern {
         self.rows.len()
     }
 
-    /// Where entry (`i`, `j`) of the symmetric matrix is stored.
+    /// Slot (index into the values) of entry (`i`, `j`) of the symmetric matrix.
     ///
     /// # Panics
     /// If the pattern does not hold the entry.
@@ -88,15 +88,15 @@ impl SymmetricPattern {
         self.find(i, j).expect("the pattern holds the entry")
     }
 
-    /// Where entry (`i`, `j`) of the symmetric matrix is stored, if the pattern holds it.
+    /// Slot of entry (`i`, `j`) of the symmetric matrix, if the pattern holds it.
     pub fn find(&self, i: usize, j: usize) -> Option<usize> {
         let (column, row) = (i.min(j), i.max(j));
         let start = self.columns[column];
         self.rows[start..self.columns[column + 1]].binary_search(&row).ok().map(|at| start + at)
     }
 
-    /// This pattern with the couplings of more elements, and where each of its own entries is
-    /// stored there.
+    /// This pattern with the couplings of more elements, and the new slot of each of its own
+    /// entries.
     pub fn extended<'a>(&self, elements: impl Iterator<Item = &'a [usize]>) -> (Self, Vec<usize>) {
         let mut more = Vec::new();
         for element in elements {
@@ -158,8 +158,8 @@ impl SymmetricPattern {
         }
     }
 
-    /// Uncouples the unknowns marked in `fixed`: of their rows and columns only the diagonal's
-    /// absolute value is left.
+    /// Uncouples the unknowns marked in `fixed`: clears their rows and columns but for the absolute
+    /// value of the diagonal.
     pub fn isolate(&self, values: &mut [f64], fixed: &[bool]) {
         for column in 0..self.size() {
             for slot in self.columns[column]..self.columns[column + 1] {

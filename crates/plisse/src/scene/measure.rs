@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::field::EnergyTerms;
     use crate::field::Period;
-    use crate::linalg::newton::Ending;
+    use crate::linalg::Ending;
     use crate::scene::{build, parse};
 
     /// A balloon of two disks: the second panel is flipped. The line is replaced by each test.

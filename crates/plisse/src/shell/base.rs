@@ -8,7 +8,8 @@ use super::quadratic_bending::QuadraticBending;
 use super::setup::Setup;
 use super::start::{pin_rigid_motions, prepare};
 use super::tension_field::{FaceState, Membrane};
-use crate::linalg::newton::{Convexity, Ending, Options, minimise};
+use crate::linalg::Ending;
+use crate::linalg::newton::{Options, minimise};
 use crate::mesh::{Topology, Vec3};
 use crate::progress::Observer;
 use crate::rest::RestMetric;
@@ -83,7 +84,7 @@ pub fn solve_base(
         stage: "base",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
-        leave_saddles: false,
+        escape_saddles: false,
     };
     let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
     let pose = settled.pose;
@@ -119,7 +120,7 @@ pub(super) struct Effort {
     /// Largest gradient component at the end, in units of Young's modulus · thickness · size.
     pub(super) tolerance: f64,
     /// Whether to go on from where the shell is in equilibrium but about to buckle.
-    pub(super) leave_saddles: bool,
+    pub(super) escape_saddles: bool,
 }
 
 /// An equilibrium, and how it was found.
@@ -151,15 +152,10 @@ pub(super) fn settle(
     let mut problem = Equilibrium::new(setup, &held, begin, compressive_stiffness, bending);
     let unit_joule = problem.unit_joule();
     let newton = Options {
-        stage: effort.stage,
         iteration_limit: effort.iteration_limit,
         tolerance: effort.tolerance,
-        least_fall: 0.0,
-        convexity: Convexity::Clamped,
-        ridge: 1e-14,
-        nearest: false,
-        leave_saddles: effort.leave_saddles,
-        energy_unit_joule: unit_joule,
+        escape_saddles: effort.escape_saddles,
+        ..Options::new(effort.stage, unit_joule)
     };
     let x = problem.pack(begin);
     let outcome = minimise(&mut problem, &x, &newton, observer)?;

@@ -89,7 +89,7 @@ impl<'a> Barrier<'a> {
 
     /// The longest part (0 to 1) of a step on which all of `positions` (`[V]`, m), each moved by
     /// `by(v)` (m), keep clear.
-    pub(crate) fn longest_step(
+    pub(crate) fn max_step_size(
         &self,
         positions: &[Vec3],
         by: impl Fn(usize) -> Vec3 + Sync,

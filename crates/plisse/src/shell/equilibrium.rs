@@ -12,8 +12,8 @@ use super::pressure;
 use super::quadratic_bending::QuadraticBending;
 use super::setup::{Clamps, Setup};
 use super::tension_field::{FaceHessian, Membrane};
-use crate::linalg::newton::{Convexity, Problem};
 use crate::linalg::sparse::SymmetricPattern;
+use crate::linalg::{Problem, PsdProjection};
 use crate::mesh::{NONE, Vec3};
 
 /// Faces a thread takes at once.
@@ -314,14 +314,19 @@ impl<'a> Equilibrium<'a> {
         (0..n).step_by(BUFFER).map(move |first| first..n.min(first + BUFFER))
     }
 
-    fn element_hessians(&self, batch: &Range<usize>, convexity: Convexity, buffer: &mut Buffer) {
+    fn element_hessians(
+        &self,
+        batch: &Range<usize>,
+        projection: PsdProjection,
+        buffer: &mut Buffer,
+    ) {
         let pressure_pa = self.setup.loads.pressure_pa;
         buffer.faces.par_iter_mut().with_min_len(CHUNK).zip(batch.clone()).for_each(|(out, f)| {
             *out = self.membranes[f]
-                .derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), convexity)
+                .derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), projection)
                 .2;
             // The volume's Hessian is indefinite: it has no place in a convex one.
-            if pressure_pa != 0.0 && convexity == Convexity::Exact {
+            if pressure_pa != 0.0 && projection == PsdProjection::None {
                 *out -= pressure::hessian(&self.corners_about(f)) * pressure_pa;
             }
         });
@@ -329,7 +334,7 @@ impl<'a> Equilibrium<'a> {
             let hinges = buffer.hinges.par_iter_mut().with_min_len(CHUNK);
             hinges
                 .zip(batch.clone())
-                .for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, convexity).2);
+                .for_each(|(out, f)| *out = bending.derivatives(f, &self.pose, projection).2);
         }
     }
 
@@ -375,7 +380,7 @@ impl Problem for Equilibrium<'_> {
         self.energy_here()
     }
 
-    fn linearise(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+    fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.take_pose(x);
         gradient.fill(0.0);
         let scale = self.length_m / self.unit_joule;
@@ -415,7 +420,7 @@ impl Problem for Equilibrium<'_> {
 
     /// Quadratic bending reaches over two rings of vertices, the pattern over one: a third of the
     /// couplings, and far less fill.
-    fn add_rest_of_hessian(&self, x: &[f64], out: &mut [f64]) -> bool {
+    fn apply_hessian_remainder(&self, x: &[f64], out: &mut [f64]) -> bool {
         let Bending::Quadratic(bending) = &self.bending else { return false };
         self.pattern.add_multiple(-1.0, &self.bending_values, x, out);
         let scale = 2.0 * self.length_m * self.length_m / self.unit_joule;
@@ -433,24 +438,24 @@ impl Problem for Equilibrium<'_> {
         true
     }
 
-    fn longest_step(&mut self, _: &[f64], direction: &[f64]) -> f64 {
+    fn max_step_size(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let by = |v: usize| {
             Vec3::from_fn(|axis, _| match self.unknown[v][axis] {
                 NONE => 0.0,
                 u => direction[u] * self.length_m,
             })
         };
-        self.barrier.as_ref().map_or(1.0, |barrier| barrier.longest_step(&self.pose, by))
+        self.barrier.as_ref().map_or(1.0, |barrier| barrier.max_step_size(&self.pose, by))
     }
 
-    fn hessian(&mut self, convexity: Convexity, values: &mut [f64]) {
+    fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
         values.copy_from_slice(&self.bending_values);
         let scale = self.length_m * self.length_m / self.unit_joule;
         let mut batches = self.batches();
         let [mut here, mut ahead] = std::mem::take(&mut self.buffers);
         let mut batch = batches.next();
         if let Some(batch) = &batch {
-            self.element_hessians(batch, convexity, &mut here);
+            self.element_hessians(batch, projection, &mut here);
         }
         // One batch is added, in order, while the next is being computed.
         while let Some(ready) = batch {
@@ -465,7 +470,7 @@ impl Problem for Equilibrium<'_> {
             };
             let compute = || {
                 if let Some(batch) = &batch {
-                    self.element_hessians(batch, convexity, &mut ahead);
+                    self.element_hessians(batch, projection, &mut ahead);
                 }
             };
             rayon::join(add, compute);
@@ -474,7 +479,8 @@ impl Problem for Equilibrium<'_> {
         self.buffers = [here, ahead];
         let Some(barrier) = &self.barrier else { return };
         for v in 0..self.pose.len() {
-            let Some(push) = barrier.push(v, &self.pose[v], convexity == Convexity::Exact) else {
+            let Some(push) = barrier.push(v, &self.pose[v], projection == PsdProjection::None)
+            else {
                 continue;
             };
             for i in 0..3 {
@@ -493,7 +499,7 @@ impl Problem for Equilibrium<'_> {
 mod tests {
     use super::super::loads::Loads;
     use super::*;
-    use crate::linalg::derivative_check::{gradient_error, hessian_error};
+    use crate::linalg::derivative_check::check_problem;
     use crate::material::Material;
     use crate::mesh::Topology;
     use crate::mesh::scatter::Random;
@@ -566,28 +572,7 @@ mod tests {
                 let mut problem = Equilibrium::new(&setup, &clamps, &pose, stiffness, bending);
                 let x = problem.pack(&pose);
                 assert_eq!(x.len(), 3 * pose.len() - 3);
-                let mut gradient = vec![0.0; x.len()];
-                let energy = problem.linearise(&x, &mut gradient);
-                assert!(energy.is_finite() && energy == problem.energy(&x));
-                let mut values = vec![0.0; problem.pattern.entry_count()];
-                problem.hessian(Convexity::Exact, &mut values);
-                let (mut hessian, mut unit) = (Vec::new(), vec![0.0; x.len()]);
-                for i in 0..x.len() {
-                    unit[i] = 1.0;
-                    let mut row = vec![0.0; x.len()];
-                    problem.pattern.multiply(&values, &unit, &mut row);
-                    problem.add_rest_of_hessian(&unit, &mut row);
-                    hessian.extend(row);
-                    unit[i] = 0.0;
-                }
-                let e = gradient_error(&x, 1.0, &gradient, |y| problem.energy(y));
-                assert!(e < 1e-7, "gradient {e:e}");
-                let e = hessian_error(&x, 1.0, &hessian, |y| {
-                    let mut gradient = vec![0.0; x.len()];
-                    problem.linearise(y, &mut gradient);
-                    gradient
-                });
-                assert!(e < 1e-6, "Hessian {e:e}");
+                check_problem(&mut problem, &x, 1.0);
             }
         }
     }

@@ -34,7 +34,7 @@ use std::ops::AddAssign;
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::linalg::small::Convexity;
+use crate::linalg::PsdProjection;
 use crate::material::Material;
 use crate::mesh::{Mat3, NONE, Topology, Vec3};
 use crate::rest::RestMetric;
@@ -134,14 +134,14 @@ impl MidEdgeBending {
 
     /// Energy (J), gradient and Hessian of face `f` with the vertices at `pose` (`[V]`, m), in the
     /// coordinates of
-    /// [`MidEdgeBending::vertices`]; rows of missing vertices are 0. With [`Convexity::Exact`] the Hessian is the true one,
+    /// [`MidEdgeBending::vertices`]; rows of missing vertices are 0. With [`PsdProjection::None`] the Hessian is the true one,
     /// Σ Qₖₗ·∇sₖ∇sₗᵀ + Σ (Qs)ₖ·∇²sₖ; otherwise it is the first sum alone (Gauss–Newton), which is
     /// positive semidefinite and true where the surface is flat.
     pub fn derivatives(
         &self,
         f: usize,
         pose: &[Vec3],
-        convexity: Convexity,
+        projection: PsdProjection,
     ) -> (f64, ElementGradient, ElementHessian) {
         let element = &self.elements[f];
         let hinges = element.hinges(pose);
@@ -157,7 +157,7 @@ impl MidEdgeBending {
             for (place, slope) in places.into_iter().zip(hinge.gradient()) {
                 jacobian.fixed_view_mut::<3, 1>(3 * place, k).copy_from(&slope);
             }
-            if convexity == Convexity::Exact {
+            if projection == PsdProjection::None {
                 hinge.add_hessian(moments[k], places, &mut hessian);
             }
         }
@@ -346,7 +346,7 @@ impl Hinge {
 mod tests {
     use super::*;
     use crate::linalg::derivative_check::{gradient_error, hessian_error};
-    use crate::linalg::small::eigen;
+    use crate::linalg::psd_projection::eigen;
     use crate::mesh::Mat2;
     use crate::mesh::panel::{Outline, Panel};
 
@@ -404,7 +404,8 @@ mod tests {
                         .for_each(|(v, p)| pose[*v].copy_from_slice(p));
                     pose
                 };
-                let (energy, gradient, hessian) = bending.derivatives(f, &pose, Convexity::Exact);
+                let (energy, gradient, hessian) =
+                    bending.derivatives(f, &pose, PsdProjection::None);
                 assert_eq!(energy, bending.energy(f, &pose));
                 if energy > 1e-20 {
                     let e =
@@ -412,7 +413,7 @@ mod tests {
                     assert!(e < 1e-7, "gradient {e:e} face {f} {fold:?}");
                 }
                 let slope = |y: &[f64]| {
-                    bending.derivatives(f, &at(y), Convexity::Exact).1.as_slice().to_vec()
+                    bending.derivatives(f, &at(y), PsdProjection::None).1.as_slice().to_vec()
                 };
                 let e = hessian_error(&x, 1.0, hessian.as_slice(), slope);
                 assert!(e < 1e-7, "hessian {e:e} face {f} {fold:?}");
@@ -425,11 +426,11 @@ mod tests {
         for (seed, fold) in (0..10).zip(FOLDS.iter().cycle()) {
             let (bending, pose) = rosette(seed, *fold);
             for f in 0..4 {
-                let (_, _, h) = bending.derivatives(f, &pose, Convexity::Clamped);
+                let (_, _, h) = bending.derivatives(f, &pose, PsdProjection::Clamp);
                 let lowest = eigen(&h).0.into_iter().fold(f64::INFINITY, f64::min);
                 assert!(lowest >= -1e-13 * h.norm(), "{lowest:e}");
                 let differs =
-                    (bending.derivatives(f, &pose, Convexity::Exact).2 - h).norm() / h.norm();
+                    (bending.derivatives(f, &pose, PsdProjection::None).2 - h).norm() / h.norm();
                 assert_eq!(
                     differs < 1e-13,
                     *fold == [0.0; 3] || (f == 3 && fold[2] == 0.0),
@@ -496,7 +497,8 @@ mod tests {
         thin[2] = 0.5 * (thin[0] + thin[1]) + 1e-9 * (thin[2] - thin[0]);
         for pose in [folded_shut, vec![Vec3::x(); 6], on_a_line, no_edge, thin] {
             for f in 0..4 {
-                let (energy, gradient, hessian) = bending.derivatives(f, &pose, Convexity::Exact);
+                let (energy, gradient, hessian) =
+                    bending.derivatives(f, &pose, PsdProjection::None);
                 assert!(
                     energy.is_finite()
                         && gradient.iter().chain(hessian.iter()).all(|v| v.is_finite())

@@ -10,7 +10,7 @@ use super::mid_edge_bending::MidEdgeBending;
 use super::setup::Setup;
 use super::start::prepare;
 use crate::Result;
-use crate::linalg::newton::Ending;
+use crate::linalg::Ending;
 use crate::mesh::Vec3;
 use crate::mesh::scatter::Random;
 use crate::progress::Observer;
@@ -86,7 +86,7 @@ pub fn solve_reference(
         stage: "shell",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
-        leave_saddles: true,
+        escape_saddles: true,
     };
     let settled = settle(setup, &begin, 1.0, bending, &effort, observer)?;
     let report = ReferenceReport {

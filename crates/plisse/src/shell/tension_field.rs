@@ -8,7 +8,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-use crate::linalg::small::Convexity;
+use crate::linalg::PsdProjection;
 use crate::material::Material;
 use crate::mesh::{Mat2, Mat3, Mat3x2, Vec2, Vec3};
 use crate::rest::RestFace;
@@ -110,18 +110,18 @@ impl Membrane {
     }
 
     /// Energy (J), gradient and Hessian with the corners at `x` (m). The Hessian is positive
-    /// semidefinite unless there is a compressive stiffness and `convexity` is
-    /// [`Convexity::Exact`]: else the geometric part takes only tension into account.
+    /// semidefinite unless there is a compressive stiffness and `projection` is
+    /// [`PsdProjection::None`]: else the geometric part takes only tension into account.
     pub fn derivatives(
         &self,
         x: &[Vec3; 3],
-        convexity: Convexity,
+        projection: PsdProjection,
     ) -> (f64, FaceGradient, FaceHessian) {
         let f = self.deformation(x);
         let e = f.transpose() * f - Mat2::identity();
         let s = self.compressive_stiffness;
         if s == 1.0 {
-            let (energy, gradient, hessian) = self.ordinary(&f, &e, convexity);
+            let (energy, gradient, hessian) = self.ordinary(&f, &e, projection);
             return (energy * self.scale, gradient * self.scale, hessian * self.scale);
         }
         let (principal, low) = principal_pair(&e);
@@ -136,7 +136,7 @@ impl Membrane {
         }
         let share = if state == FaceState::Taut { 1.0 } else { s };
         if share > 0.0 {
-            let (w, g, h) = self.ordinary(&f, &e, convexity);
+            let (w, g, h) = self.ordinary(&f, &e, projection);
             energy += share * w;
             gradient += g * share;
             hessian += h * share;
@@ -197,12 +197,13 @@ impl Membrane {
         &self,
         f: &Mat3x2,
         e: &Mat2,
-        convexity: Convexity,
+        projection: PsdProjection,
     ) -> (f64, FaceGradient, FaceHessian) {
         let (alpha, beta) = (self.alpha, self.beta);
         let trace = e.trace();
         let stress = self.stress(e);
-        let tension = if convexity == Convexity::Exact { stress } else { positive_part(&stress) };
+        let tension =
+            if projection == PsdProjection::None { stress } else { positive_part(&stress) };
         let (mut gradient, mut hessian) = (FaceGradient::zeros(), FaceHessian::zeros());
         let moved = self.gradients.map(|g| f * g);
         let spread = f * f.transpose();
@@ -243,7 +244,7 @@ fn positive_part(m: &Mat2) -> Mat2 {
 mod tests {
     use super::*;
     use crate::linalg::derivative_check::{gradient_error, hessian_error};
-    use crate::linalg::small::eigen;
+    use crate::linalg::psd_projection::eigen;
 
     fn membrane(stiffness: f64) -> Membrane {
         let rest = RestFace::from_corners([
@@ -280,16 +281,16 @@ mod tests {
                 let at = |y: &[f64]| {
                     std::array::from_fn(|k| Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2]))
                 };
-                let (energy, gradient, hessian) = m.derivatives(&x, Convexity::Exact);
+                let (energy, gradient, hessian) = m.derivatives(&x, PsdProjection::None);
                 assert!((energy - m.energy(&x)).abs() <= 1e-14 * energy.abs());
                 assert!((gradient - m.gradient(&x)).norm() <= 1e-14 * gradient.norm());
-                let convex = m.derivatives(&x, Convexity::Clamped).2;
+                let convex = m.derivatives(&x, PsdProjection::Clamp).2;
                 assert!(eigen(&convex).0.into_iter().all(|value| value >= -1e-12 * convex.norm()));
                 if energy > 0.0 {
                     let e = gradient_error(&flat, 1.0, gradient.as_slice(), |y| m.energy(&at(y)));
                     assert!(e < 1e-8, "gradient {e:e} {state:?} {stiffness}");
                     let e = hessian_error(&flat, 1.0, hessian.as_slice(), |y| {
-                        m.derivatives(&at(y), Convexity::Exact).1.as_slice().to_vec()
+                        m.derivatives(&at(y), PsdProjection::None).1.as_slice().to_vec()
                     });
                     assert!(e < 1e-7, "hessian {e:e} {state:?} {stiffness}");
                 }
@@ -301,7 +302,7 @@ mod tests {
     fn the_tension_field_is_convex() {
         let m = membrane(0.0);
         for (p, q, _) in STATES {
-            let (_, _, h) = m.derivatives(&posed(p, q), Convexity::Exact);
+            let (_, _, h) = m.derivatives(&posed(p, q), PsdProjection::None);
             let lowest = eigen(&h).0.into_iter().fold(f64::INFINITY, f64::min);
             assert!(lowest >= -1e-12 * h.norm(), "{lowest}");
         }

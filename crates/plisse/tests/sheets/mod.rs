@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use plisse::Result;
 use plisse::field::{FieldOptions, Solved, solve};
-use plisse::linalg::newton::Ending;
+use plisse::linalg::Ending;
 use plisse::material::Material;
 use plisse::mesh::panel::{Outline, Panel};
 use plisse::mesh::sew::{Seam, reversed, sew};

@@ -17,7 +17,7 @@ use super::equilibrium::{GrowthOptions, GrowthReport, StepReport, choosing_part}
 use super::growing::Growing;
 use super::remesh::{Curving, RemeshOptions, RemeshReport};
 use super::settle::{Effort, settle_part};
-use crate::linalg::newton::Ending;
+use crate::linalg::Ending;
 use crate::mesh::Vec2;
 use crate::progress::Observer;
 use crate::rest::RestMetric;

@@ -1,31 +1,34 @@
-//! The pattern of a matrix with up to three unknowns a vertex, the coordinates that are not held,
-//! and where the blocks of two vertices are in it.
+//! The sparsity pattern of a matrix with up to three unknowns per vertex, the coordinates that are
+//! not held, and the slots of its 3 × 3 blocks.
 
-use super::elimination::Groups;
 use super::sparse::SymmetricPattern;
-use crate::mesh::NONE;
+use super::symbolic::IndexBlocks;
+
+/// No unknown: the coordinate is held.
+pub(crate) const NONE: usize = usize::MAX;
 
 /// No slot: a coordinate is held, or the two are not coupled.
 pub(crate) const NO_SLOT: u32 = u32::MAX;
 
-/// Which vertices are coupled, and how.
+/// The couplings of vertices and the pattern of their unknowns.
 pub(crate) struct VertexPattern {
     /// `[V][3]` unknown of each coordinate, in the order of the vertices; [`NONE`] where it is
     /// held.
     unknown: Vec<[usize; 3]>,
     /// Couplings of vertices.
     graph: SymmetricPattern,
-    /// For each of them whether all coordinates are coupled; or else like ones only.
+    /// For each coupling: true if all coordinates are coupled, false if only like ones are.
     full: Vec<bool>,
-    /// For each of them and each coordinate of the first vertex, the first slot of the second
-    /// vertex' in its column.
+    /// For each coupling and each coordinate of the first vertex: the first slot of the second
+    /// vertex in that coordinate's column.
     first_slot: Vec<[u32; 3]>,
+    /// Pattern of the unknowns.
     pattern: SymmetricPattern,
 }
 
 impl VertexPattern {
-    /// `full` lists vertices of which all coordinates are coupled, `alike` such of which like
-    /// coordinates are.
+    /// A pattern from sets of vertices: all coordinates of those in a set of `full` are coupled,
+    /// and like coordinates of those in a set of `alike`.
     pub(crate) fn new<'a>(
         unknown: Vec<[usize; 3]>,
         full: impl Iterator<Item = &'a [usize]> + Clone,
@@ -40,13 +43,13 @@ impl VertexPattern {
             first_slot: Vec::new(),
             pattern: SymmetricPattern::empty(),
         };
-        all.fill(full);
-        all.spread();
+        all.mark_full(full);
+        all.number_slots();
         all
     }
 
-    /// Marks the couplings of all coordinates of these vertices.
-    fn fill<'a>(&mut self, lists: impl Iterator<Item = &'a [usize]>) {
+    /// Marks the couplings of all coordinates of these sets of vertices.
+    fn mark_full<'a>(&mut self, lists: impl Iterator<Item = &'a [usize]>) {
         for list in lists {
             for slot in self.graph.element_slots(list) {
                 self.full[slot] = true;
@@ -54,8 +57,8 @@ impl VertexPattern {
         }
     }
 
-    /// Makes the pattern of the unknowns.
-    fn spread(&mut self) {
+    /// Builds the pattern of the unknowns from the couplings of vertices.
+    fn number_slots(&mut self) {
         let (mut columns, mut rows) = (vec![0], Vec::with_capacity(3 * self.graph.entry_count()));
         self.first_slot.clear();
         self.first_slot.resize(self.graph.entry_count(), [NO_SLOT; 3]);
@@ -89,8 +92,8 @@ impl VertexPattern {
         &self.unknown
     }
 
-    /// The vertices as groups of unknowns, without those of which all is held.
-    pub(crate) fn groups(&self) -> Groups {
+    /// The vertices that are not wholly held, as blocks of unknowns.
+    pub(crate) fn index_blocks(&self) -> IndexBlocks {
         let free = |v: usize| self.unknown[v].iter().copied().filter(|&unknown| unknown != NONE);
         let mut number = vec![NONE; self.unknown.len()];
         let mut members: Vec<Vec<usize>> = Vec::new();
@@ -104,11 +107,10 @@ impl VertexPattern {
             rows.extend(others.map(|&v| number[v]).filter(|&v| v != NONE));
             columns.push(rows.len());
         }
-        Groups { graph: SymmetricPattern { columns, rows }, members }
+        IndexBlocks { graph: SymmetricPattern { columns, rows }, members }
     }
 
-    /// Slots of all coordinates of `u` (first index) with those of `v`; [`NO_SLOT`] where there is
-    /// none.
+    /// Slots of the block of `u` (first index) and `v`; [`NO_SLOT`] where there is no entry.
     pub(crate) fn block(&self, u: usize, v: usize) -> [[u32; 3]; 3] {
         let mut slots = [[NO_SLOT; 3]; 3];
         let (low, high) = (u.min(v), u.max(v));
@@ -136,13 +138,13 @@ impl VertexPattern {
         slots
     }
 
-    /// Whether all coordinates of `u` and `v` that are not held are coupled.
+    /// True if all coordinates of `u` and `v` that are not held are coupled.
     pub(crate) fn couples(&self, u: usize, v: usize) -> bool {
         let held = |v: usize| self.unknown[v] == [NONE; 3];
         u == v || held(u) || held(v) || self.graph.find(u, v).is_some_and(|entry| self.full[entry])
     }
 
-    /// Couples all coordinates of more vertices. Returns where each slot that there was is now.
+    /// Couples all coordinates of more sets of vertices. Returns the new slot of each old one.
     pub(crate) fn extend<'a>(
         &mut self,
         more: impl Iterator<Item = &'a [usize]> + Clone,
@@ -157,8 +159,8 @@ impl VertexPattern {
             first_slot: std::mem::take(&mut self.first_slot),
             pattern: std::mem::replace(&mut self.pattern, SymmetricPattern::empty()),
         };
-        self.fill(more);
-        self.spread();
+        self.mark_full(more);
+        self.number_slots();
         // Rows of a column are ascending in both.
         let mut slots = Vec::with_capacity(old.pattern.entry_count());
         for column in 0..old.pattern.size() {
@@ -180,7 +182,7 @@ impl VertexPattern {
 mod tests {
     use super::*;
 
-    /// Every slot is that of its unknowns in the pattern.
+    /// Asserts that every slot is that of its unknowns in the pattern.
     fn check(all: &VertexPattern) {
         let mut found = 0;
         for u in 0..all.unknown.len() {
@@ -223,15 +225,15 @@ mod tests {
                 assert_eq!(slots[slot] as usize, all.pattern.slot(before.rows[slot], column));
             }
         }
-        let groups = all.groups();
+        let blocks = all.index_blocks();
         assert_eq!(
-            groups.members,
+            blocks.members,
             [vec![0, 1, 2], vec![3, 4], vec![5], vec![6, 7, 8], vec![9, 10, 11]]
         );
         assert!(
-            groups.graph.find(1, 4).is_some()
-                && groups.graph.find(1, 3).is_some()
-                && groups.graph.find(0, 4).is_some()
+            blocks.graph.find(1, 4).is_some()
+                && blocks.graph.find(1, 3).is_some()
+                && blocks.graph.find(0, 4).is_some()
         );
     }
 }

@@ -1,31 +1,41 @@
-//! Small dense symmetric matrices: making an element's Hessian positive semidefinite.
+//! Projection of an element's Hessian, a small dense symmetric matrix, to a positive semidefinite
+//! one.
 
 use nalgebra::SMatrix;
 
-/// What to do with the negative eigenvalues of an element's Hessian.
+/// Largest number of Jacobi sweeps; a handful suffice.
+const MAX_SWEEPS: usize = 30;
+/// Sum of squares below the diagonal, relative to that of all entries, at which the Jacobi sweeps
+/// have converged: the square of ten roundings.
+const OFF_DIAGONAL: f64 = 1e-30;
+/// Least pivot, relative to the diagonal entry, that is clear of rounding.
+const MIN_PIVOT: f64 = 1e-12;
+
+/// Projection to positive semidefinite matrices: the treatment of the negative eigenvalues of an
+/// element's Hessian.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Convexity {
-    /// Keep them: the true Hessian.
-    Exact,
-    /// Set them to zero: the nearest positive semidefinite matrix.
-    Clamped,
-    /// Replace them by their absolute value: steps away from saddles.
-    Mirrored,
+pub enum PsdProjection {
+    /// Keeps them: the true Hessian.
+    None,
+    /// Sets them to zero: the nearest positive semidefinite matrix.
+    Clamp,
+    /// Replaces them by their absolute value: steps away from saddles.
+    Abs,
 }
 
-/// `h` with its negative eigenvalues treated as `convexity` says.
-pub fn convexify<const N: usize>(
+/// The matrix `h` with its negative eigenvalues treated as `projection` says.
+pub(crate) fn project_to_psd<const N: usize>(
     h: &SMatrix<f64, N, N>,
-    convexity: Convexity,
+    projection: PsdProjection,
 ) -> SMatrix<f64, N, N> {
-    if convexity == Convexity::Exact || is_positive_definite(h) {
+    if projection == PsdProjection::None || is_positive_definite(h) {
         return *h;
     }
     let (values, vectors) = eigen(h);
     let mut out = SMatrix::zeros();
     for k in 0..N {
-        let value = match convexity {
-            Convexity::Mirrored => values[k].abs(),
+        let value = match projection {
+            PsdProjection::Abs => values[k].abs(),
             _ => values[k].max(0.0),
         };
         if value != 0.0 {
@@ -38,17 +48,17 @@ pub fn convexify<const N: usize>(
 
 /// Eigenvalues and unit eigenvectors (columns) of a symmetric matrix, by cyclic Jacobi rotations:
 /// accurate also for tiny eigenvalues, deterministic, no heap.
-pub fn eigen<const N: usize>(h: &SMatrix<f64, N, N>) -> ([f64; N], SMatrix<f64, N, N>) {
+pub(crate) fn eigen<const N: usize>(h: &SMatrix<f64, N, N>) -> ([f64; N], SMatrix<f64, N, N>) {
     let mut a = *h;
     let mut v = SMatrix::<f64, N, N>::identity();
-    for _ in 0..30 {
+    for _ in 0..MAX_SWEEPS {
         let mut off = 0.0;
         for p in 0..N {
             for q in 0..p {
                 off += a[(p, q)] * a[(p, q)];
             }
         }
-        if off <= 1e-30 * a.norm_squared() {
+        if off <= OFF_DIAGONAL * a.norm_squared() {
             break;
         }
         for p in 0..N {
@@ -79,14 +89,14 @@ pub fn eigen<const N: usize>(h: &SMatrix<f64, N, N>) -> ([f64; N], SMatrix<f64, 
     (std::array::from_fn(|k| a[(k, k)]), v)
 }
 
+/// True if `h` has a Cholesky factorisation with pivots clear of rounding ([`MIN_PIVOT`]).
 fn is_positive_definite<const N: usize>(h: &SMatrix<f64, N, N>) -> bool {
     let mut l = *h;
     for j in 0..N {
         for k in 0..j {
             l[(j, j)] -= l[(j, k)] * l[(j, k)];
         }
-        // Not only positive but clear of round-off.
-        if l[(j, j)].is_nan() || l[(j, j)] <= 1e-12 * h[(j, j)].abs() {
+        if l[(j, j)].is_nan() || l[(j, j)] <= MIN_PIVOT * h[(j, j)].abs() {
             return false;
         }
         let d = l[(j, j)].sqrt();
@@ -117,13 +127,13 @@ mod tests {
     }
 
     #[test]
-    fn negative_eigenvalues_go_as_named() {
+    fn negative_eigenvalues_are_projected_as_named() {
         let (c, s) = (0.6, 0.8);
         let rotate = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         let with = |d: [f64; 3]| rotate * Matrix3::from_diagonal(&d.into()) * rotate.transpose();
         let h = with([4.0, -2.0, 1.0]);
-        assert!((convexify(&h, Convexity::Clamped) - with([4.0, 0.0, 1.0])).norm() < 1e-14);
-        assert!((convexify(&h, Convexity::Mirrored) - with([4.0, 2.0, 1.0])).norm() < 1e-14);
-        assert_eq!(convexify(&h, Convexity::Exact), h);
+        assert!((project_to_psd(&h, PsdProjection::Clamp) - with([4.0, 0.0, 1.0])).norm() < 1e-14);
+        assert!((project_to_psd(&h, PsdProjection::Abs) - with([4.0, 2.0, 1.0])).norm() < 1e-14);
+        assert_eq!(project_to_psd(&h, PsdProjection::None), h);
     }
 }

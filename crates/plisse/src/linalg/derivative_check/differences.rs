@@ -3,7 +3,7 @@
 /// Largest difference, over all components, between `gradient` and central differences of `energy`
 /// at `x`, relative to the gradient's largest component; the best over several step sizes (relative
 /// to each |xᵢ| + `scale`), since small steps suffer from rounding and large ones from curvature.
-pub fn gradient_error(
+pub(crate) fn gradient_error(
     x: &[f64],
     scale: f64,
     gradient: &[f64],
@@ -30,7 +30,7 @@ pub fn gradient_error(
 }
 
 /// The same for a Hessian (`[n][n]`, row by row) against central differences of the gradient.
-pub fn hessian_error(
+pub(crate) fn hessian_error(
     x: &[f64],
     scale: f64,
     hessian: &[f64],
