@@ -29,7 +29,7 @@ pub struct Guard {
 
 /// An autosave that a program left which did not end by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Left {
+pub struct Leftover {
     /// The file.
     pub path: PathBuf,
     /// The name of what was worked on.
@@ -62,7 +62,7 @@ impl Guard {
 
     /// A file that is open and has changed on the disk since it was read; told once for each
     /// change.
-    pub fn look(&mut self, now_s: f64) -> Option<PathBuf> {
+    pub fn changed_file(&mut self, now_s: f64) -> Option<PathBuf> {
         if now_s - self.last_watch_s < WATCH_S {
             return None;
         }
@@ -111,9 +111,9 @@ impl Guard {
     }
 
     /// Autosaves of programs that are gone, the newest first.
-    pub fn left(&self) -> Vec<Left> {
+    pub fn leftovers(&self) -> Vec<Leftover> {
         let Some(folder) = &self.folder else { return Vec::new() };
-        let mut found: Vec<(SystemTime, Left)> = Vec::new();
+        let mut found: Vec<(SystemTime, Leftover)> = Vec::new();
         for (name, _) in disk::list(folder).unwrap_or_default() {
             let process = name
                 .strip_prefix("autosave-")
@@ -134,7 +134,7 @@ impl Guard {
                 .map_or(name.clone(), |n| n.to_string_lossy().into_owned());
             found.push((
                 disk::modified(&path).unwrap_or(SystemTime::UNIX_EPOCH),
-                Left { path, name },
+                Leftover { path, name },
             ));
         }
         found.sort_by_key(|b| std::cmp::Reverse(b.0));

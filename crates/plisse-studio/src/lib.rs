@@ -1,29 +1,37 @@
-//! Plissé Studio: see wrinkles, paint them, tune them, take them away.
+//! Plissé Studio: see wrinkles, paint them, tune them, export them.
 //!
-//! [`document`] is what is worked on and [`brush`] what paints on it; neither knows a window, a GPU or a file system. [`work`] does what takes long in
-//! the background, [`view`] makes pictures on a thread of its own, [`panels`] is the window,
-//! [`studio`] the program's state, [`window`] what eframe runs of it, [`page`] what is different in
-//! a browser. [`open`] reads and writes files, [`guard`] keeps the work through kills, [`script`]
-//! drives the program without anybody before it.
+//! From the bottom up: [`document`] and [`brush`] are the work itself, and know no window, no GPU
+//! and no file system. [`open`] reads and writes files. [`work`] computes what takes long, and
+//! [`view`] renders pictures in a thread of its own.
+//!
+//! The program's state is split by data: [`session`] (document and file), [`viewport`] (picture),
+//! [`tools`] (brush), [`jobs`] (long work) and [`shell`] (the window around them). [`panels`] show
+//! these parts and return [`commands`]; [`studio`] holds the parts and runs the commands. [`window`]
+//! is the program as eframe runs it, [`page`] the program in a browser, and [`automation`] drives it
+//! by scripts.
 
+pub mod automation;
 pub mod brush;
 pub mod commands;
 pub mod document;
-pub mod driver;
 pub mod fabrics;
+pub mod file_chooser;
 pub mod guard;
-#[cfg(not(target_arch = "wasm32"))]
-pub mod measure;
+pub mod jobs;
 pub mod messages;
 pub mod open;
 pub mod page;
 pub mod panels;
-mod reading;
-pub mod script;
-mod strokes;
+pub mod session;
+pub mod shell;
 pub mod studio;
+pub mod threads;
+pub mod tools;
 pub mod view;
+pub mod viewport;
 pub mod window;
 pub mod work;
 
-pub use studio::{Looking, Start, Studio, Tab};
+pub use shell::Tab;
+pub use studio::{Start, Studio};
+pub use viewport::ShownSurface;

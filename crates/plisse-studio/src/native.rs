@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use clap::Parser;
 use plisse::{Error, Result};
-use plisse_studio::driver::Driver;
+use plisse_studio::automation::driver::Driver;
 use plisse_studio::view::Graphics;
 use plisse_studio::window::Window;
-use plisse_studio::{Start, Studio, guard, script};
+use plisse_studio::{Start, Studio, automation::script, guard};
 
-/// See wrinkles, paint them, tune them, take them away.
+/// See wrinkles, paint them, tune them, export them.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
@@ -54,7 +54,7 @@ pub(crate) fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<()> {
     if arguments.measure {
-        return plisse_studio::measure::run(!arguments.cpu);
+        return plisse_studio::automation::measure::run(!arguments.cpu);
     }
     let size = arguments
         .size
@@ -94,8 +94,8 @@ fn run(arguments: &Arguments) -> Result<()> {
         let ctx = context.egui_ctx.clone();
         let mut studio = Studio::new(Start {
             graphics: Graphics::own(gpu),
-            keep,
-            wake: Arc::new(move || ctx.request_repaint()),
+            autosave_folder: keep,
+            request_repaint: Arc::new(move || ctx.request_repaint()),
         })?;
         match file.as_ref().map(|f| f.to_string_lossy().into_owned()) {
             Some(name) if plisse_live::models::NAMES.contains(&name.as_str()) => {

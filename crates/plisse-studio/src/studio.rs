@@ -1,554 +1,528 @@
-//! The program's state and what it does with it. [`Studio::ui`] is one frame of the window; nothing
-//! in it takes long: what does is done by the [`Easel`]'s thread or by jobs.
+//! The program: its state, its commands, and one frame of its window. No frame takes long: pictures
+//! come from the render thread, and long work is done by jobs.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
-use egui::{ColorImage, TextureHandle, TextureOptions};
-use plisse_live::Vec3;
-use plisse_live::live::LiveOptions;
-use plisse_live::texture::Texture;
+use egui::{CentralPanel, Panel, ScrollArea, Ui};
+use plisse::io::aside::OutputFolder;
+use plisse::io::disk;
+use plisse_live::Vec2;
 
-use crate::brush::{Surface, Trail};
 use crate::commands::Command;
-use crate::document::{Action, Brush, Document, Layer, Settings, Subject};
-use crate::guard::{Guard, Left};
-use crate::messages::Messages;
+use crate::document::{Action, Document, Layer, Subject};
+use crate::file_chooser::{Choice, FileChooser, Purpose};
+use crate::guard::Leftover;
+use crate::jobs::Jobs;
+use crate::jobs::reading::{Content, Purpose as ReadPurpose, ReadFile};
 use crate::open;
-use crate::panels::browser::Browser;
-use crate::panels::grow::Growth;
-use crate::panels::physics::Physics;
-use crate::panels::take::Taking;
-use crate::reading::Reading;
-use crate::view::easel::texture_of;
-use crate::view::{Easel, Graphics, Order, Sheet, Shown, Turntable, View};
+use crate::panels::canvas::{self, Picture};
+use crate::panels::{export, grow, live, menu, paint, physics, questions};
+use crate::session::Session;
+use crate::shell::{Question, RequestRepaint, Shell, Tab};
+use crate::tools::Tools;
+use crate::view::{Graphics, View};
+use crate::viewport::{PaintRevision, ShownSurface, Viewport};
+use crate::work::export::Kind;
 
-/// Pictures after a change until the phases have settled, and steps of the stages in each.
-pub(crate) const SETTLE: usize = 5;
-const SETTLE_STEPS: usize = 8;
-/// A picture that took longer (ms) is drawn at half the size while things move.
-const SLOW_MS: f32 = 45.0;
+/// Width of the panel on the left (points).
+const WIDTH: f32 = 312.0;
+/// Time to the next frame of the window while something moves.
+const SOON: Duration = Duration::from_millis(8);
+/// Time to the next frame of the window while nothing moves: files are watched.
+const LATER: Duration = Duration::from_secs(2);
 
-/// Calls for another frame of the window, from any thread.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// The panel on the left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tab {
-    /// Clips and how wrinkles are made.
-    Live,
-    /// The brush.
-    Paint,
-    /// Material, clamps, solve.
-    Physics,
-    /// Growth.
-    Grow,
-    /// Files out.
-    TakeAway,
-}
-
-impl Tab {
-    /// All, in their order.
-    pub const ALL: [Self; 5] = [Self::Live, Self::Paint, Self::Physics, Self::Grow, Self::TakeAway];
-
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Live => "Live",
-            Self::Paint => "Paint",
-            Self::Physics => "Physics",
-            Self::Grow => "Grow",
-            Self::TakeAway => "Take away",
-        }
-    }
-}
-
-/// Which surface is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Looking {
-    /// The model with its live waves.
-    Live,
-    /// The solved scene.
-    Solved,
-    /// What has grown.
-    Grown,
-}
-
-/// How the program begins.
+/// The start of the program.
 pub struct Start {
-    /// What may draw.
+    /// The device that may draw.
     pub graphics: Graphics,
-    /// Where autosaves lie; none: nowhere.
-    pub keep: Option<PathBuf>,
-    /// Calls for another frame.
-    pub wake: Wake,
+    /// Folder of the autosaves; `None`: there are none.
+    pub autosave_folder: Option<PathBuf>,
+    /// Requests another frame of the window.
+    pub request_repaint: RequestRepaint,
 }
 
 /// The program.
 pub struct Studio {
-    /// What is worked on.
-    pub document: Document,
-    /// Where it is saved.
-    pub path: Option<PathBuf>,
-    pub(crate) saved_revision: u64,
-    saved_settings: Settings,
-    pub(crate) surface: Arc<Surface>,
-    pub(crate) easel: Easel,
-    /// The last picture.
-    pub sheet: Option<Sheet>,
-    pub(crate) picture: Option<TextureHandle>,
-    /// The camera.
-    pub table: Turntable,
-    pub(crate) size: [usize; 2],
-    pub(crate) moving: bool,
-    /// What the picture shows.
-    pub view: View,
-    /// Which surface it shows.
-    pub looking: Looking,
-    /// The panel on the left.
-    pub tab: Tab,
+    /// The document and its file.
+    pub session: Session,
+    /// The picture.
+    pub viewport: Viewport,
     /// The brush.
-    pub brush: Brush,
-    /// The stroke on its way.
-    pub trail: Option<Trail>,
-    /// Whether the pointer has let go of it: it ends once it is painted.
-    pub(crate) released: bool,
-    /// Whether the clip plays.
-    pub playing: bool,
-    pub(crate) cached: Cached,
-    pub(crate) texture: Arc<Texture>,
-    /// Colour that the texture is multiplied with (sRGB).
-    pub colour: [u8; 3],
-    /// What the program has to say.
-    pub messages: Messages,
-    /// Solving scenes.
-    pub physics: Physics,
-    /// Growing.
-    pub growth: Growth,
-    /// Taking away.
-    pub taking: Taking,
-    pub(crate) reading: Reading,
-    pub(crate) browser: Option<Browser>,
-    pub(crate) asks: Option<Question>,
-    pub(crate) guard: Guard,
-    pub(crate) left: Vec<Left>,
-    pub(crate) later: bool,
-    pub(crate) settle: usize,
-    pub(crate) lose_device: bool,
-    /// Where the next picture is to be written.
-    pub(crate) wanted: Option<PathBuf>,
-    /// Whether to end.
-    pub quits: bool,
-    pub(crate) wake: Wake,
+    pub tools: Tools,
+    /// Long work in the background.
+    pub jobs: Jobs,
+    /// The window around the document.
+    pub shell: Shell,
+    /// Time of the last frame of the window (s).
     last_s: Option<f64>,
-    /// Milliseconds that the last frames of the window took.
-    pub frame_ms: f32,
 }
-
-/// Something that needs an answer first.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Question {
-    /// The document is not saved; open this one all the same?
-    Open(PathBuf),
-    /// The document is not saved; open one of the program's own models all the same?
-    Own(String),
-    /// The document is not saved; quit all the same?
-    Quit,
-    /// A file changed on the disk; read it again?
-    Reload(PathBuf),
-}
-
-/// What is made of the document and only made anew when it changes.
-pub(crate) struct Cached {
-    key: Option<(u64, u64, Settings)>,
-    /// Counts what strokes on their way have painted.
-    pub(crate) dabs: u64,
-    options: Arc<LiveOptions>,
-    layer_key: Option<(u64, u64, View)>,
-    layer: Arc<Vec<[f32; 4]>>,
-    ordered: Option<OrderKey>,
-}
-
-/// What decides whether a picture is still right.
-type OrderKey =
-    (Turntable, [usize; 2], View, Looking, f32, usize, usize, usize, [u8; 3], bool, Settings);
 
 impl Studio {
-    /// The program with its own curtain.
+    /// The program with the built-in curtain.
     ///
     /// # Errors
     /// None in practice (of the model).
     pub fn new(start: Start) -> plisse::Result<Self> {
         let document = Document::new(Subject::own("curtain")?);
-        let wake = Arc::clone(&start.wake);
-        let guard = Guard::new(start.keep);
-        let left = guard.left();
+        let request_repaint = Arc::clone(&start.request_repaint);
         let mut studio = Self {
-            surface: Arc::new(Surface::new(
-                &document.subject.unified.faces,
-                document.subject.unified.count(),
-            )),
-            easel: Easel::new(start.graphics, move || wake()),
-            sheet: None,
-            picture: None,
-            table: Turntable::fit(&document.subject.unified.vertices.positions, 0.35, 0.1, 1.3),
-            size: [640, 480],
-            moving: false,
-            view: View::Wrinkled,
-            looking: Looking::Live,
-            tab: Tab::Live,
-            brush: Brush::new(0.1),
-            trail: None,
-            released: false,
-            playing: true,
-            cached: Cached {
-                key: None,
-                dabs: 0,
-                options: Arc::new(LiveOptions::new(0.1)),
-                layer_key: None,
-                layer: Arc::new(Vec::new()),
-                ordered: None,
-            },
-            texture: Arc::new(Texture::checked()),
-            colour: [255; 3],
-            messages: Messages::default(),
-            physics: Physics::default(),
-            growth: Growth::default(),
-            taking: Taking::default(),
-            reading: Reading::default(),
-            browser: None,
-            asks: None,
-            left,
-            later: false,
-            guard,
-            settle: SETTLE,
-            lose_device: false,
-            wanted: None,
-            quits: false,
-            wake: start.wake,
+            viewport: Viewport::new(start.graphics, request_repaint, &document),
+            tools: Tools::new(&document.subject),
+            jobs: Jobs::default(),
+            shell: Shell::new(start.autosave_folder, start.request_repaint),
+            session: Session::new(document.clone(), None),
             last_s: None,
-            frame_ms: 0.0,
-            path: None,
-            saved_revision: 0,
-            saved_settings: document.settings.clone(),
-            document,
         };
-        let document = studio.document.clone();
         studio.show(document, None);
         Ok(studio)
     }
 
-    /// Replaces what is worked on.
+    /// Replaces the open document; `path` is that of its file.
     pub fn show(&mut self, document: Document, path: Option<PathBuf>) {
-        let subject = Arc::clone(&document.subject);
-        self.physics.stop();
-        self.growth.stop();
-        self.surface = Arc::new(Surface::new(&subject.unified.faces, subject.unified.count()));
-        let (texture, problem) = texture_of(&subject);
-        self.texture = Arc::new(texture);
-        if let Some(problem) = problem {
-            self.messages.problem(problem);
+        self.jobs.stop();
+        self.viewport.reset(&document, &mut self.shell.messages);
+        self.tools.reset(&document.subject, self.session.document.settings.fold_spacing_m);
+        let notes = &document.subject.notes;
+        notes.iter().for_each(|note| self.shell.messages.note(note.clone()));
+        if document.subject.scene.is_some() && self.shell.tab == Tab::Live {
+            self.shell.tab = Tab::Physics;
         }
-        subject.notes.iter().for_each(|note| self.messages.note(note.clone()));
-        let layer = self.brush.layer;
-        self.brush = Brush { radius_m: 0.12 * subject.size_m(), ..Brush::new(0.1) };
-        self.choose_layer(layer);
-        (self.saved_revision, self.path) = (document.revision, path);
-        self.saved_settings = document.settings.clone();
-        if matches!(self.view, View::Painted(_) | View::Expansion) {
-            self.view = View::Wrinkled;
-        }
-        (self.trail, self.released) = (None, false);
-        (self.looking, self.playing) = (Looking::Live, !subject.model.clips.is_empty());
-        self.tab =
-            if subject.scene.is_some() && self.tab == Tab::Live { Tab::Physics } else { self.tab };
-        self.document = document;
-        self.cached.key = None;
-        self.cached.layer_key = None;
-        self.sheet = None;
-        self.settle = SETTLE;
-        self.guard.watch(&self.document);
-        self.fit();
+        self.session = Session::new(document, path);
+        self.shell.guard.watch(&self.session.document);
     }
 
-    /// Whether there is something that is not saved.
-    pub fn is_unsaved(&self) -> bool {
-        // Playing changes nothing that would have to be saved.
-        let still = |s: &Settings| Settings { time_s: 0.0, clip: None, ..s.clone() };
-        self.document.revision != self.saved_revision
-            || still(&self.document.settings) != still(&self.saved_settings)
-    }
-
-    /// Saves to `path`.
+    /// Saves the document to `path`.
     pub fn save(&mut self, path: &Path) {
-        match open::save(&self.document, path) {
+        match open::save(&self.session.document, path) {
             Ok(()) => {
-                (self.saved_revision, self.saved_settings) =
-                    (self.document.revision, self.document.settings.clone());
-                self.path = Some(path.to_path_buf());
-                self.guard.clear();
-                self.messages.note(format!("saved {}", path.display()));
+                self.session.mark_saved(path);
+                self.shell.guard.clear();
+                self.shell.messages.note(format!("saved {}", path.display()));
             }
             Err(error) => self
+                .shell
                 .messages
                 .problem(format!("{error}; your work is still here, save it elsewhere")),
         }
     }
 
-    /// Fits the camera.
-    pub fn fit(&mut self) {
-        let aspect = self.size[0] as f32 / self.size[1].max(1) as f32;
-        let at: Vec<Vec3> = match (&self.sheet, self.looking) {
-            (Some(sheet), _) => sheet.posed.positions.clone(),
-            _ => {
-                let subject = &self.document.subject;
-                let clip = self
-                    .document
-                    .settings
-                    .clip
-                    .as_deref()
-                    .and_then(|c| subject.model.clip(Some(c)));
-                let pose =
-                    plisse_live::skin::pose(&subject.model, clip, self.document.settings.time_s);
-                plisse_live::skin::skin(&subject.unified.vertices, &pose).positions
-            }
-        };
-        self.table = Turntable::fit(&at, self.table.yaw_rad, self.table.pitch_rad, aspect);
+    /// Opens the file `path` in the background. An error becomes a message, and the open document
+    /// stays.
+    pub fn open(&mut self, path: &Path) {
+        self.shell.messages.note(format!("opening {}", path.display()));
+        self.read(ReadPurpose::Open(path.to_path_buf()));
     }
 
-    /// Chooses what the brush paints on, with a value that suits.
-    pub fn choose_layer(&mut self, layer: Layer) {
-        let value = match layer {
-            Layer::Wrinkles => 0.7,
-            Layer::Wavelength => 0.4,
-            Layer::Expansion => 0.5,
-            Layer::Coherence => 3.0 * self.document.settings.fold_spacing_m as f32,
-            Layer::Freeze => 1.0,
-        };
-        self.brush = Brush { layer, value, ..self.brush.clone() };
-        if let View::Painted(_) | View::Expansion = self.view {
-            self.view =
-                if layer == Layer::Expansion { View::Expansion } else { View::Painted(layer) };
+    /// Opens `path`, after a question if something is not saved.
+    pub fn ask_to_open(&mut self, path: PathBuf) {
+        if self.session.is_unsaved() {
+            self.shell.question = Some(Question::Open(path));
+        } else {
+            self.open(&path);
         }
     }
 
-    /// Does what a menu or a key asks.
+    /// Opens a built-in model.
+    pub fn show_own(&mut self, name: &str) {
+        match Subject::own(name) {
+            Ok(subject) => self.show(Document::new(subject), None),
+            Err(error) => self.shell.messages.problem(error),
+        }
+    }
+
+    fn read(&mut self, purpose: ReadPurpose) {
+        self.jobs.reading.start(purpose, &self.shell.request_repaint);
+    }
+
+    /// Chooses the layer that the brush paints on, with a suitable value.
+    pub fn choose_layer(&mut self, layer: Layer) {
+        self.tools.choose_layer(layer, self.session.document.settings.fold_spacing_m);
+        self.viewport.follow_layer(layer);
+    }
+
+    /// Switches folding under the brush on or off.
+    pub fn fold_under_brush(&mut self, on: bool) {
+        if !on {
+            self.jobs.growth.stop_folding();
+            return;
+        }
+        let painted = self.paint_revision();
+        let document = &self.session.document;
+        self.jobs.growth.start_folding(document, painted, &self.shell.request_repaint);
+        if self.tools.brush.layer != Layer::Expansion {
+            self.choose_layer(Layer::Expansion);
+        }
+    }
+
+    /// Exports `kind` of the shown surface to `path` in the background.
+    pub fn export_files(&mut self, kind: Kind, path: &Path) {
+        let source = self.jobs.source(self.viewport.shown, &self.session.document);
+        self.jobs.export.start(kind, source, path, &mut self.shell);
+    }
+
+    /// Writes the picture as it is seen to `path`.
+    pub fn export_picture(&mut self, path: &Path) {
+        let Some(frame) = &self.viewport.frame else { return };
+        if frame.texture.is_some() {
+            // The pixels are not in memory: the next picture is rendered there.
+            self.viewport.picture_path = Some(path.to_path_buf());
+            (self.shell.request_repaint)();
+            return;
+        }
+        let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default().to_owned();
+        let written =
+            OutputFolder::create(path.parent().unwrap_or(Path::new("."))).and_then(|mut folder| {
+                folder.write(&name, |out| plisse::picture::write_png(&frame.image, out))?;
+                folder.commit()
+            });
+        let messages = &mut self.shell.messages;
+        match written {
+            Ok(_) => messages.note(format!("wrote {}", path.display())),
+            Err(error) => messages.problem(format!("{error}; your work is still here")),
+        }
+    }
+
+    /// Begins a stroke, or continues the current one, at `pointer` (shares of the picture's width
+    /// and height).
+    pub fn stroke(&mut self, pointer: Vec2) {
+        self.picture().stroke(pointer);
+    }
+
+    /// Releases the stroke: it ends once it is painted, which may take some frames.
+    pub fn release_stroke(&mut self) {
+        self.tools.release_stroke();
+    }
+
+    /// Ends the stroke, if there is one, and paints all of it.
+    pub fn end_stroke(&mut self) {
+        self.picture().end_stroke();
+    }
+
+    fn picture(&mut self) -> Picture<'_> {
+        let tab = self.shell.tab;
+        let paints = tab == Tab::Paint || tab == Tab::Grow && self.jobs.growth.follows();
+        Picture {
+            document: &mut self.session.document,
+            viewport: &mut self.viewport,
+            tools: &mut self.tools,
+            messages: &mut self.shell.messages,
+            paints,
+        }
+    }
+
+    fn paint_revision(&self) -> PaintRevision {
+        PaintRevision { revision: self.session.document.revision, dabs: self.tools.dabs }
+    }
+
+    /// Runs a command.
     pub fn run(&mut self, command: Command) {
+        let document = &self.session.document;
+        let brush = &mut self.tools.brush;
         match command {
             Command::Open => {
-                self.browser = Some(Browser::open(self.path.as_deref().and_then(Path::parent)))
+                let folder = self.session.path.as_deref().and_then(Path::parent);
+                self.shell.file_chooser = Some(FileChooser::open(folder));
             }
-            Command::Save => match self.path.clone() {
+            Command::Save => match self.session.path.clone() {
                 Some(path) => self.save(&path),
                 None => self.run(Command::SaveAs),
             },
             Command::SaveAs => {
-                self.browser = Some(Browser::save(&open::usual_path(&self.document.subject.source)))
+                let path = open::usual_path(&document.subject.source);
+                self.shell.file_chooser = Some(FileChooser::save(&path));
             }
-            Command::Quit if self.is_unsaved() => self.asks = Some(Question::Quit),
-            Command::Quit => self.quits = true,
+            Command::Quit if self.session.is_unsaved() => {
+                self.shell.question = Some(Question::Quit);
+            }
+            Command::Quit => self.shell.quits = true,
             Command::Undo => self.history(Document::undo, "nothing to undo"),
-            Command::Redo => self.history(Document::redo, "nothing to do again"),
-            Command::Play => self.playing = !self.playing && self.document.settings.clip.is_some(),
-            Command::Frame => self.fit(),
-            Command::SmallerBrush => self.brush.radius_m /= 1.2,
-            Command::LargerBrush => self.brush.radius_m *= 1.2,
-            Command::Erase => {
-                self.brush.action =
-                    if self.brush.action == Action::Paint { Action::Erase } else { Action::Paint };
+            Command::Redo => self.history(Document::redo, "nothing to redo"),
+            Command::Play => {
+                self.viewport.playing = !self.viewport.playing && document.settings.clip.is_some();
             }
-            Command::Solve => self.solve_or_stop(),
-            Command::View(n) => self.view = View::MAIN[usize::from(n) % View::MAIN.len()],
+            Command::Frame => self.viewport.fit(document),
+            Command::SmallerBrush => brush.radius_m /= 1.2,
+            Command::LargerBrush => brush.radius_m *= 1.2,
+            Command::Erase => {
+                brush.action =
+                    if brush.action == Action::Paint { Action::Erase } else { Action::Paint };
+            }
+            Command::View(n) => self.viewport.view = View::MAIN[usize::from(n) % View::MAIN.len()],
+            Command::OpenModel(name) if self.session.is_unsaved() => {
+                self.shell.question = Some(Question::OpenModel(name));
+            }
+            Command::OpenModel(name) => self.show_own(&name),
+            Command::Recover(leftover) => self.read(ReadPurpose::Recover(leftover)),
+            Command::ChooseLayer(layer) => self.choose_layer(layer),
+            job => self.run_job(job),
+        }
+    }
+
+    /// Runs a command of the jobs.
+    fn run_job(&mut self, command: Command) {
+        let (document, shell) = (&self.session.document, &mut self.shell);
+        match command {
+            Command::Solve => self.jobs.physics.solve_or_stop(document, shell),
+            Command::SolveFromStart => self.jobs.physics.solve_from_start(document, shell),
+            Command::EditScene(edit) => self.jobs.physics.edit_scene(document, &edit, shell),
+            Command::Grow => self.jobs.growth.grow_or_stop(document, &shell.request_repaint),
+            Command::FoldUnderBrush(on) => self.fold_under_brush(on),
+            Command::Export(kind, path) => {
+                shell.file_chooser = Some(FileChooser::export(kind, &path));
+            }
+            Command::ExportPicture(path) => self.export_picture(&path),
+            Command::StopExport => self.jobs.export.stop(),
+            _ => {}
         }
     }
 
     fn history(&mut self, step: impl FnOnce(&mut Document) -> bool, nothing: &str) {
-        // A stroke on its way is ended first, so that it is what is undone.
+        // The current stroke is ended first, so that it is what is undone.
         self.end_stroke();
-        if step(&mut self.document) {
-            self.settle = SETTLE;
+        if step(&mut self.session.document) {
+            self.viewport.unsettle();
         } else {
-            self.messages.note(nothing);
+            self.shell.messages.note(nothing);
         }
     }
 
-    /// Everything that goes on by itself: time, pictures, jobs, files.
-    pub fn advance(&mut self, ctx: &egui::Context, now_s: f64) {
-        let passed = self.last_s.map_or(0.0, |last| (now_s - last).clamp(0.0, 0.2));
-        self.last_s = Some(now_s);
-        self.take_sheet(ctx);
-        self.take_jobs();
-        self.paint();
-        self.follow_brush();
-        if self.playing && self.looking == Looking::Live {
-            self.play(passed as f32);
-        }
-        if let Some(path) = self.guard.look(now_s) {
-            self.asks = Some(Question::Reload(path));
-        }
-        if let Err(error) = self.guard.autosave(&self.document, now_s) {
-            self.messages.problem(format!("the autosave failed: {error}"));
-        }
-        self.order();
-        if self.playing || self.settle > 0 || self.trail.is_some() {
-            ctx.request_repaint_after(std::time::Duration::from_millis(8));
-        } else {
-            // To look after files now and then.
-            ctx.request_repaint_after(std::time::Duration::from_secs(2));
-        }
-    }
-
-    fn play(&mut self, passed_s: f32) {
-        let settings = &mut self.document.settings;
-        let duration_s = settings
-            .clip
-            .as_deref()
-            .and_then(|c| self.document.subject.model.clip(Some(c)))
-            .map_or(0.0, |c| c.duration_s());
-        if duration_s <= 0.0 {
-            self.playing = false;
-            return;
-        }
-        // Time goes on only as fast as pictures come.
-        if !self.easel.is_busy() {
-            settings.time_s =
-                (settings.time_s + passed_s.max(1.0 / 60.0) * settings.speed) % duration_s;
-        }
-    }
-
-    fn take_sheet(&mut self, ctx: &egui::Context) {
-        let Some(mut sheet) = self.easel.take() else { return };
-        if let Some(message) = sheet.message.take() {
-            self.messages.problem(message);
-        }
-        if sheet.texture.is_none() {
-            let image =
-                ColorImage::from_rgb([sheet.image.width, sheet.image.height], &sheet.image.pixels);
-            match &mut self.picture {
-                Some(picture) => picture.set(image, TextureOptions::LINEAR),
-                None => {
-                    self.picture = Some(ctx.load_texture("picture", image, TextureOptions::LINEAR))
-                }
-            }
-        }
-        self.sheet = Some(sheet);
-        if let Some(path) = self.wanted.take() {
-            self.take_picture(&path);
-        }
-        self.settle = self.settle.saturating_sub(1);
-    }
-
-    /// The options of the stages, made anew only when something changed.
-    pub fn options(&mut self) -> Arc<LiveOptions> {
-        let key = (self.document.revision, self.cached.dabs, self.document.settings.clone());
-        // Time and clip are no options of the stages.
-        let key = (key.0, key.1, Settings { time_s: 0.0, clip: None, ..key.2 });
-        if self.cached.key.as_ref() != Some(&key) {
-            self.cached.options = Arc::new(self.document.live_options());
-            self.cached.key = Some(key);
-            self.settle = self.settle.max(SETTLE);
-        }
-        Arc::clone(&self.cached.options)
-    }
-
-    fn layer_of_view(&mut self) -> Arc<Vec<[f32; 4]>> {
-        let key = (self.document.revision, self.cached.dabs, self.view);
-        if self.cached.layer_key != Some(key) {
-            let layer = match self.view {
-                View::Expansion => Some(Layer::Expansion),
-                View::Painted(layer) => Some(layer),
-                _ => None,
-            };
-            self.cached.layer =
-                Arc::new(layer.map_or_else(Vec::new, |l| self.document.layers.of(l).to_vec()));
-            self.cached.layer_key = Some(key);
-        }
-        Arc::clone(&self.cached.layer)
-    }
-
-    /// Asks for a picture if the last one is no longer right and none is on its way.
-    fn order(&mut self) {
-        if self.easel.is_busy() || self.size[0] == 0 || self.size[1] == 0 {
-            return;
-        }
-        let (options, layer) = (self.options(), self.layer_of_view());
-        let settings = self.document.settings.clone();
-        let solid = match self.looking {
-            Looking::Live => None,
-            Looking::Solved => self.physics.solid(),
-            Looking::Grown => self.growth.solid(),
-        };
-        let moves = self.moving || self.playing || self.trail.is_some() || self.settle > 1;
-        let slow = self
-            .sheet
-            .as_ref()
-            .is_some_and(|s| s.stage_ms[4] > SLOW_MS || s.image.width * 2 < self.size[0] + 2);
-        let size = if moves && slow { self.size.map(|s| (s / 2).max(1)) } else { self.size };
-        let shown = match &solid {
-            Some(solid) => Shown::Solid(Arc::clone(solid)),
-            None => Shown::Live {
-                subject: Arc::clone(&self.document.subject),
-                options: Arc::clone(&options),
-                clip: settings.clip.clone(),
-                time_s: settings.time_s,
-            },
-        };
-        let key: OrderKey = (
-            self.table,
-            size,
-            self.view,
-            self.looking,
-            settings.time_s,
-            Arc::as_ptr(&options) as usize,
-            Arc::as_ptr(&layer) as usize,
-            solid.as_ref().map_or(0, |s| Arc::as_ptr(s) as usize),
-            self.colour,
-            self.lose_device,
-            settings.clone(),
-        );
-        if solid.is_some() {
-            self.settle = 0;
-        }
-        if self.cached.ordered.as_ref() == Some(&key) && self.settle == 0 && self.wanted.is_none() {
-            return;
-        }
-        let colour = self.colour.map(plisse_live::shade::from_srgb);
-        self.easel.order(Order {
-            shown,
-            view: self.view,
-            camera: self.table.camera(size[0] as f32 / size[1] as f32),
-            size,
-            profile: settings.profile.profile(),
-            parallax: settings.parallax,
-            colour: Vec3::from(colour),
-            texture: Arc::clone(&self.texture),
-            layer,
-            steps: if self.settle > 0 && !self.playing { SETTLE_STEPS } else { 1 },
-            to_memory: self.wanted.is_some(),
-            lose_device: std::mem::take(&mut self.lose_device),
+    /// One frame of the window.
+    pub fn ui(&mut self, ui: &mut Ui) {
+        let begun = web_time::Instant::now();
+        let ctx = ui.ctx().clone();
+        let now_s = ctx.input(|i| i.time);
+        self.take_dropped(&ctx);
+        self.run_all(Command::pressed(&ctx));
+        let mut commands =
+            Panel::top("menu").show(ui, |ui| menu::bar(ui, &self.session, &mut self.shell)).inner;
+        Panel::bottom("status").show(ui, |ui| {
+            menu::status(ui, &self.session.document, &self.viewport, &self.shell);
         });
-        self.cached.ordered = Some(key);
+        commands.extend(
+            Panel::left("tools")
+                .exact_size(WIDTH)
+                .resizable(false)
+                .show(ui, |ui| self.tabs(ui))
+                .inner,
+        );
+        self.run_all(commands);
+        let plain = egui::Frame::NONE.fill(ui.visuals().panel_fill);
+        CentralPanel::default().frame(plain).show(ui, |ui| {
+            self.views(ui);
+            self.picture().show(ui);
+        });
+        if let Some(question) = questions::show(&ctx, &mut self.shell) {
+            self.answered(question);
+        }
+        self.choose_file(&ctx);
+        self.advance(&ctx, now_s);
+        let ms = begun.elapsed().as_secs_f32() * 1e3;
+        let mean = &mut self.shell.frame_ms;
+        *mean = if *mean == 0.0 { ms } else { 0.9 * *mean + 0.1 * ms };
     }
 
-    /// Whether nothing is on its way: no picture, no job.
+    fn run_all(&mut self, commands: Vec<Command>) {
+        commands.into_iter().for_each(|command| self.run(command));
+    }
+
+    fn take_dropped(&mut self, ctx: &egui::Context) {
+        let dropped = ctx.input(|i| i.raw.dropped_files.clone());
+        #[cfg(target_arch = "wasm32")]
+        if !dropped.is_empty() {
+            crate::page::files::read_dropped(dropped);
+        }
+        #[cfg(not(target_arch = "wasm32"))]
+        for file in dropped {
+            self.ask_to_open(file.path().to_path_buf());
+        }
+    }
+
+    /// Shows the tabs and the panel of the open one; the commands that were chosen.
+    fn tabs(&mut self, ui: &mut Ui) -> Vec<Command> {
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for tab in Tab::ALL {
+                ui.selectable_value(&mut self.shell.tab, tab, tab.name());
+            }
+        });
+        ui.separator();
+        let document = &mut self.session.document;
+        let (jobs, viewport) = (&mut self.jobs, &mut self.viewport);
+        let brush = &mut self.tools.brush;
+        let tab = self.shell.tab;
+        let panel = |ui: &mut Ui| match tab {
+            Tab::Live => {
+                live::panel(ui, document, viewport);
+                Vec::new()
+            }
+            Tab::Paint => paint::panel(ui, document, brush, &mut viewport.view),
+            Tab::Physics => physics::panel(ui, document, &mut jobs.physics),
+            Tab::Grow => grow::panel(ui, document, &jobs.growth, brush, &mut viewport.view),
+            Tab::Export => {
+                let exported = jobs.exported(viewport.shown);
+                export::panel(ui, document, &mut jobs.export, exported)
+            }
+        };
+        ScrollArea::vertical().auto_shrink([false, true]).show(ui, panel).inner
+    }
+
+    fn views(&mut self, ui: &mut Ui) {
+        let layer = self.tools.brush.layer;
+        let shows_paint = self.shell.tab == Tab::Paint && layer != Layer::Expansion;
+        let others: Vec<ShownSurface> = [ShownSurface::Solved, ShownSurface::Grown]
+            .into_iter()
+            .filter(|&surface| self.jobs.solid(surface).is_some())
+            .collect();
+        canvas::views(ui, &mut self.viewport, shows_paint.then_some(layer), &others);
+    }
+
+    /// Does what a question was about, after the answer yes.
+    fn answered(&mut self, question: Question) {
+        match question {
+            Question::Open(path) => self.open(&path),
+            Question::OpenModel(name) => self.show_own(&name),
+            Question::Quit => self.shell.quits = true,
+            Question::Reload(path) => self.read(ReadPurpose::Reload(path)),
+            Question::Recover(leftover) => self.read(ReadPurpose::Recover(leftover)),
+        }
+    }
+
+    /// Shows the file chooser, and uses the file that was chosen.
+    fn choose_file(&mut self, ctx: &egui::Context) {
+        let Some(mut chooser) = self.shell.file_chooser.take() else { return };
+        match chooser.show(ctx) {
+            Choice::Open => self.shell.file_chooser = Some(chooser),
+            Choice::Cancelled => {}
+            Choice::File(path) => match chooser.purpose {
+                Purpose::Open => self.ask_to_open(path),
+                Purpose::Save => self.save(&path),
+                Purpose::Export(kind) => self.export_files(kind, &path),
+            },
+        }
+    }
+
+    /// Advances everything that goes on by itself: time, pictures, jobs, files.
+    fn advance(&mut self, ctx: &egui::Context, now_s: f64) {
+        let passed_s = self.last_s.map_or(0.0, |last_s| (now_s - last_s).clamp(0.0, 0.2));
+        self.last_s = Some(now_s);
+        if self.viewport.take_frame(ctx, &mut self.shell.messages) {
+            if let Some(path) = self.viewport.picture_path.take() {
+                self.export_picture(&path);
+            }
+            self.viewport.settle();
+        }
+        self.take_jobs();
+        self.picture().paint_waiting();
+        self.follow_brush();
+        self.viewport.play(&mut self.session.document, passed_s as f32);
+        if let Some(path) = self.shell.guard.changed_file(now_s) {
+            self.shell.question = Some(Question::Reload(path));
+        }
+        if let Err(error) = self.shell.guard.autosave(&self.session.document, now_s) {
+            self.shell.messages.problem(format!("the autosave failed: {error}"));
+        }
+        let solid = self.jobs.solid(self.viewport.shown);
+        let (painted, paints) = (self.paint_revision(), self.tools.trail.is_some());
+        self.viewport.request(&self.session.document, solid, painted, paints);
+        let moves = self.viewport.is_animated() || paints;
+        ctx.request_repaint_after(if moves { SOON } else { LATER });
+    }
+
+    /// Takes what the jobs have computed.
+    fn take_jobs(&mut self) {
+        let (jobs, viewport, shell) = (&mut self.jobs, &mut self.viewport, &mut self.shell);
+        jobs.physics.take_draft(&mut self.session.document, shell);
+        jobs.physics.take_solve(viewport, &mut shell.messages);
+        jobs.growth.take_growth(viewport, &mut shell.messages);
+        jobs.export.take(&mut shell.messages);
+        if let Some(file) = jobs.reading.take() {
+            self.take_file(file);
+        }
+    }
+
+    /// Sends new paint to the folding under the brush, and takes what has folded.
+    fn follow_brush(&mut self) {
+        if self.jobs.growth.has_other_widths(&self.session.document) {
+            self.fold_under_brush(true);
+        }
+        let (painted, document) = (self.paint_revision(), &self.session.document);
+        let strokes = document.history.done().len() + usize::from(self.tools.trail.is_some());
+        self.jobs.growth.send_paint(document, painted, strokes);
+        self.jobs.growth.take_fold(&mut self.viewport, &mut self.shell.messages);
+    }
+
+    /// Takes a file that was read.
+    fn take_file(&mut self, file: ReadFile) {
+        match (file.result, file.purpose) {
+            (Ok(Content::Document(document)), ReadPurpose::Open(path)) => {
+                let is_document = path.to_string_lossy().ends_with(open::DOCUMENT_END);
+                self.show(*document, is_document.then(|| path.clone()));
+                self.shell.messages.note(format!("opened {}", path.display()));
+            }
+            (Ok(Content::Document(document)), ReadPurpose::Recover(leftover)) => {
+                self.recovered(*document, &leftover);
+            }
+            (Ok(Content::Subject(subject)), ReadPurpose::Reload(path)) => {
+                self.reloaded(*subject, &path);
+            }
+            (Ok(_), _) => {}
+            (Err(error), ReadPurpose::Reload(_)) => {
+                self.shell.messages.problem(format!("{error}; the open document stays"));
+            }
+            (Err(error), _) => self.shell.messages.problem(error),
+        }
+    }
+
+    /// Takes a file that was read again; paint is kept if the mesh is the same.
+    fn reloaded(&mut self, subject: Subject, path: &Path) {
+        let document = &self.session.document;
+        let (old, new) = (&document.subject.unified, &subject.unified);
+        let same = new.count() == old.count() && new.faces == old.faces;
+        let mut fresh = Document::new(subject);
+        if same {
+            fresh.layers = document.layers.clone();
+            fresh.history = document.history.clone();
+            fresh.settings = document.settings.clone();
+            fresh.revision = document.revision + 1;
+            let path = self.session.path.clone();
+            self.show(fresh, path);
+            self.shell.messages.note("read again; your paint is kept");
+        } else if document.history.done().is_empty() {
+            self.show(fresh, None);
+            self.shell.messages.note("read again");
+        } else {
+            self.shell.messages.problem(format!(
+                "{}: its mesh has changed, and your paint does not fit it; save your work, then \
+                 open the file anew",
+                path.display()
+            ));
+        }
+    }
+
+    /// Takes a recovered autosave, which is in no file of the user's yet.
+    fn recovered(&mut self, mut document: Document, leftover: &Leftover) {
+        document.revision = 1;
+        self.show(document, None);
+        self.session.mark_unsaved();
+        match self.shell.guard.keep(&self.session.document) {
+            Ok(()) => {
+                let _ = disk::remove(&leftover.path);
+                self.shell.leftovers.retain(|l| l != leftover);
+                self.shell.messages.note(format!("recovered {}; save it", leftover.name));
+            }
+            Err(error) => self.shell.messages.problem(error),
+        }
+    }
+
+    /// True if nothing is on its way: no picture, no stroke, no job.
     pub fn is_idle(&self) -> bool {
-        !self.easel.is_busy()
-            && self.trail.is_none()
-            && self.settle == 0
-            && !self.physics.is_busy()
-            && !self.growth.is_busy()
-            && !self.taking.is_busy()
-            && !self.reading.is_busy()
+        !self.viewport.is_busy() && self.tools.trail.is_none() && !self.jobs.is_busy()
     }
 
-    /// Ends the program cleanly.
+    /// Ends the program without leaving an autosave behind.
     pub fn close(&mut self) {
-        self.guard.clear();
-    }
-
-    /// Takes the GPU away, as if it had been lost; for tests.
-    pub fn lose_device(&mut self) {
-        self.lose_device = true;
-        self.cached.ordered = None;
+        self.shell.guard.clear();
     }
 }

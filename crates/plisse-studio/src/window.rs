@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex};
 
 use plisse::Error;
 
+use crate::automation::driver::Driver;
 use crate::commands::Command;
-use crate::driver::Driver;
 use crate::studio::Studio;
 
 /// The program in its window.
@@ -30,7 +30,7 @@ impl eframe::App for Window {
                 if let Ok(mut failure) = self.failure.lock() {
                     *failure = Some(error);
                 }
-                self.studio.quits = true;
+                self.studio.shell.quits = true;
             } else if driver.is_done() {
                 self.driver = None;
             }
@@ -38,10 +38,10 @@ impl eframe::App for Window {
         #[cfg(target_arch = "wasm32")]
         crate::page::after_frame(self, was_driven);
         let closes = ctx.input(|i| i.viewport().close_requested());
-        if closes && !self.studio.quits && self.studio.is_unsaved() {
+        if closes && !self.studio.shell.quits && self.studio.session.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.studio.run(Command::Quit);
-        } else if self.studio.quits {
+        } else if self.studio.shell.quits {
             self.studio.close();
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         } else if closes {

@@ -5,7 +5,7 @@ use plisse_live::camera::Camera;
 use plisse_live::live::LiveState;
 use plisse_live::skin::{pose, skin};
 use plisse_live::{Vec2, Vec3};
-use plisse_studio::brush::{Canvas, Hit, Surface, Trail};
+use plisse_studio::brush::{Canvas, Hit, Trail, VertexFaces};
 use plisse_studio::document::{
     Action, Brush, Document, Falloff, Heading, Layer, Mirror, Subject, maps,
 };
@@ -25,8 +25,8 @@ fn stroke(
     to: [f32; 2],
 ) {
     let subject = document.subject.clone();
-    let surface = Surface::new(&subject.unified.faces, subject.unified.count());
-    let canvas = Canvas { unified: &subject.unified, surface: &surface, posed };
+    let surface = VertexFaces::new(&subject.unified.faces, subject.unified.count());
+    let canvas = Canvas { unified: &subject.unified, vertex_faces: &surface, posed };
     let at = |k: usize| Vec2::from(from) + (Vec2::from(to) - Vec2::from(from)) * (k as f32 / 4.0);
     let mut trail = Trail::begin(brush.clone(), &canvas, camera, at(0));
     (1..=4).for_each(|k| trail.go(&canvas, camera, at(k)));
@@ -147,8 +147,8 @@ fn one_stroke_goes_no_farther_than_its_strength() {
         ..Brush::new(0.2)
     };
     let subject = document.subject.clone();
-    let surface = Surface::new(&subject.unified.faces, subject.unified.count());
-    let canvas = Canvas { unified: &subject.unified, surface: &surface, posed: &x };
+    let surface = VertexFaces::new(&subject.unified.faces, subject.unified.count());
+    let canvas = Canvas { unified: &subject.unified, vertex_faces: &surface, posed: &x };
     // To and fro, five times.
     let mut trail = Trail::begin(brush, &canvas, &camera, Vec2::new(0.4, 0.5));
     for k in 0..10 {

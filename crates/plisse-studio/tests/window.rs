@@ -8,16 +8,22 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use plisse_studio::commands::Command;
 use plisse_studio::document::Layer;
 use plisse_studio::view::{Graphics, View};
 use plisse_studio::work::export::Kind;
-use plisse_studio::{Looking, Start, Studio, Tab};
+use plisse_studio::{ShownSurface, Start, Studio, Tab};
 
 /// Middle of the picture, in the window of these tests.
 const MIDDLE: Pos2 = pos2(700.0, 400.0);
 
 fn studio(gpu: bool, keep: Option<PathBuf>) -> Studio {
-    Studio::new(Start { graphics: Graphics::own(gpu), keep, wake: Arc::new(|| {}) }).unwrap()
+    Studio::new(Start {
+        graphics: Graphics::own(gpu),
+        autosave_folder: keep,
+        request_repaint: Arc::new(|| {}),
+    })
+    .unwrap()
 }
 
 fn window(studio: Studio) -> Harness<'static, Studio> {
@@ -34,12 +40,15 @@ fn settle(harness: &mut Harness<'static, Studio>) {
     let mut calm = 0;
     while calm < 3 {
         harness.step();
-        calm =
-            if harness.state().is_idle() && harness.state().sheet.is_some() { calm + 1 } else { 0 };
+        calm = if harness.state().is_idle() && harness.state().viewport.frame.is_some() {
+            calm + 1
+        } else {
+            0
+        };
         assert!(
             begun.elapsed() < Duration::from_secs(240),
             "it does not settle: {:?}",
-            harness.state().messages.last()
+            harness.state().shell.messages.last()
         );
         std::thread::sleep(Duration::from_millis(4));
     }
@@ -84,7 +93,14 @@ fn numbers(studio: &Studio) -> Vec<[u32; 4]> {
     Layer::ALL
         .into_iter()
         .flat_map(|l| {
-            studio.document.layers.of(l).iter().map(|x| x.map(f32::to_bits)).collect::<Vec<_>>()
+            studio
+                .session
+                .document
+                .layers
+                .of(l)
+                .iter()
+                .map(|x| x.map(f32::to_bits))
+                .collect::<Vec<_>>()
         })
         .collect()
 }
@@ -123,46 +139,46 @@ move_m = [0.006, 0.0, 0.0]
 fn it_begins_with_a_model_that_wrinkles() {
     let mut harness = window(studio(false, None));
     let begun = Instant::now();
-    while harness.state().sheet.is_none() {
+    while harness.state().viewport.frame.is_none() {
         harness.step();
         std::thread::sleep(Duration::from_millis(2));
     }
     eprintln!("first picture after {:.0} ms", begun.elapsed().as_secs_f64() * 1e3);
-    let sheet = harness.state().sheet.clone().unwrap();
-    let state = sheet.state.unwrap();
+    let frame = harness.state().viewport.frame.clone().unwrap();
+    let state = frame.state.unwrap();
     assert!(
         state.crushed.strength.iter().filter(|&&s| s > 0.3).count() > 40,
         "the curtain wrinkles"
     );
     // The picture shows it: many colours, and the model fills it.
     let background = plisse_live::draw::BACKGROUND;
-    let covered = sheet.image.pixels.chunks(3).filter(|p| *p != background).count();
-    let share = covered as f64 / (sheet.image.pixels.len() / 3) as f64;
+    let covered = frame.image.pixels.chunks(3).filter(|p| *p != background).count();
+    let share = covered as f64 / (frame.image.pixels.len() / 3) as f64;
     assert!((0.2..0.95).contains(&share), "{share}");
-    press(&mut harness, "Take away");
+    press(&mut harness, "Export");
     harness.step();
-    assert_eq!(harness.state().tab, Tab::TakeAway);
+    assert_eq!(harness.state().shell.tab, Tab::Export);
 }
 
 #[test]
 fn a_stroke_is_painted_with_the_pointer_and_undone_with_the_keys() {
     let mut harness = window(studio(false, None));
-    harness.state_mut().playing = false;
-    harness.state_mut().document.settings.time_s = 0.3;
+    harness.state_mut().viewport.playing = false;
+    harness.state_mut().session.document.settings.time_s = 0.3;
     press(&mut harness, "Paint");
     settle(&mut harness);
-    assert_eq!(harness.state().tab, Tab::Paint);
-    harness.state_mut().brush.radius_m = 0.35;
+    assert_eq!(harness.state().shell.tab, Tab::Paint);
+    harness.state_mut().tools.brush.radius_m = 0.35;
     let before = numbers(harness.state());
-    let camera = harness.state().table;
+    let camera = harness.state().viewport.orbit;
     drag(&mut harness, &[MIDDLE, pos2(720.0, 430.0), pos2(745.0, 470.0), pos2(760.0, 500.0)]);
     let after = numbers(harness.state());
-    assert_ne!(before, after, "{:?}", harness.state().messages.last());
-    assert_eq!(harness.state().document.history.done().len(), 1);
-    assert_eq!(harness.state().table, camera, "painting turns nothing");
-    let changed = harness.state().document.history.done()[0].vertices.len();
+    assert_ne!(before, after, "{:?}", harness.state().shell.messages.last());
+    assert_eq!(harness.state().session.document.history.done().len(), 1);
+    assert_eq!(harness.state().viewport.orbit, camera, "painting turns nothing");
+    let changed = harness.state().session.document.history.done()[0].vertices.len();
     assert!((4..60).contains(&changed), "{changed}");
-    assert!(harness.state().is_unsaved());
+    assert!(harness.state().session.is_unsaved());
     settle(&mut harness);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.step();
@@ -174,35 +190,35 @@ fn a_stroke_is_painted_with_the_pointer_and_undone_with_the_keys() {
     assert_eq!(numbers(harness.state()), after);
     // A drag beside the model turns it instead.
     drag(&mut harness, &[pos2(345.0, 720.0), pos2(365.0, 700.0), pos2(385.0, 690.0)]);
-    assert_ne!(harness.state().table, camera);
+    assert_ne!(harness.state().viewport.orbit, camera);
     assert_eq!(numbers(harness.state()), after);
 }
 
 #[test]
 fn every_view_has_a_key_and_another_picture() {
     let mut harness = window(studio(false, None));
-    harness.state_mut().playing = false;
+    harness.state_mut().viewport.playing = false;
     let mut seen: Vec<Vec<u8>> = Vec::new();
     for (n, key) in
         [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6].into_iter().enumerate()
     {
         harness.key_press(key);
         harness.step();
-        assert_eq!(harness.state().view, View::MAIN[n]);
-        harness.state_mut().sheet = None;
+        assert_eq!(harness.state().viewport.view, View::MAIN[n]);
+        harness.state_mut().viewport.frame = None;
         settle(&mut harness);
-        let sheet = harness.state().sheet.clone().unwrap();
+        let frame = harness.state().viewport.frame.clone().unwrap();
         assert!(
-            !seen.contains(&sheet.image.pixels),
+            !seen.contains(&frame.image.pixels),
             "{:?} shows what another view shows",
             View::MAIN[n]
         );
         assert_eq!(
-            sheet.legend.is_some(),
+            frame.legend.is_some(),
             matches!(View::MAIN[n], View::Strain | View::Amplitude | View::Phase)
         );
-        assert_eq!(!sheet.marks.is_empty(), View::MAIN[n] == View::Direction);
-        seen.push(sheet.image.pixels);
+        assert_eq!(!frame.marks.is_empty(), View::MAIN[n] == View::Direction);
+        seen.push(frame.image.pixels);
     }
 }
 
@@ -214,11 +230,11 @@ fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
     let mut harness = window(studio(false, None));
     harness.state_mut().open(&path);
     settle(&mut harness);
-    assert_eq!(harness.state().tab, Tab::Physics);
+    assert_eq!(harness.state().shell.tab, Tab::Physics);
     press(&mut harness, "Solve");
     settle(&mut harness);
-    let solved = harness.state().physics.solved.clone().expect("solved");
-    assert_eq!(harness.state().looking, Looking::Solved);
+    let solved = harness.state().jobs.physics.solved.clone().expect("solved");
+    assert_eq!(harness.state().viewport.shown, ShownSurface::Solved);
     assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
     // Another constant: it goes on from where it was, and needs fewer iterations than from the
     // start.
@@ -228,27 +244,32 @@ fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
         thickness_m: 1e-4,
         density_kg_m3: None,
     };
-    harness.state_mut().edit_scene(&fabric);
-    harness.state_mut().solve_or_stop();
+    harness.state_mut().run(Command::EditScene(fabric));
+    harness.state_mut().run(Command::Solve);
     settle(&mut harness);
-    let again = harness.state().physics.solved.clone().expect("solved again");
+    let again = harness.state().jobs.physics.solved.clone().expect("solved again");
     let (first, next) = (solved.base.iterations, again.base.iterations);
     assert!(2 * next <= first, "{next} iterations after {first}");
     // Taken away.
     let out = folder.join("out");
-    harness.state_mut().take(Kind::SceneFiles, out.clone());
+    harness.state_mut().export_files(Kind::SceneFiles, &out);
     settle(&mut harness);
-    assert_eq!(harness.state().taking.written.len(), 5, "{:?}", harness.state().messages.last());
+    assert_eq!(
+        harness.state().jobs.export.written.len(),
+        5,
+        "{:?}",
+        harness.state().shell.messages.last()
+    );
     let text = std::fs::read_to_string(out.join("scene.toml")).unwrap();
     assert!(text.starts_with("# A small sheet") && text.contains("1100000.0 # soft"), "{text}");
     same_as_the_library(&out);
     same_as_the_command(&out);
     for name in ["s.obj", "s.ply", "s.glb"] {
-        harness.state_mut().take(Kind::Surface, folder.join(name));
+        harness.state_mut().export_files(Kind::Surface, &folder.join(name));
         settle(&mut harness);
         assert!(std::fs::metadata(folder.join(name)).unwrap().len() > 1000, "{name}");
     }
-    harness.state_mut().take(Kind::Field, folder.join("field.json"));
+    harness.state_mut().export_files(Kind::Field, &folder.join("field.json"));
     settle(&mut harness);
     assert!(folder.join("field.json").exists());
     std::fs::remove_dir_all(&folder).unwrap();
@@ -308,11 +329,11 @@ fn same_as_the_command(out: &Path) {
 fn live_waves_are_taken_away_and_a_full_disk_loses_nothing() {
     let folder = folder("take");
     let mut harness = window(studio(false, None));
-    harness.state_mut().playing = false;
-    harness.state_mut().taking.map_size = 256;
+    harness.state_mut().viewport.playing = false;
+    harness.state_mut().jobs.export.map_size = 256;
     settle(&mut harness);
-    harness.state_mut().tab = Tab::Paint;
-    harness.state_mut().brush.radius_m = 0.4;
+    harness.state_mut().shell.tab = Tab::Paint;
+    harness.state_mut().tools.brush.radius_m = 0.4;
     drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
     for (kind, name) in [
         (Kind::Surface, "c.glb"),
@@ -321,16 +342,20 @@ fn live_waves_are_taken_away_and_a_full_disk_loses_nothing() {
         (Kind::Paint, "paint"),
         (Kind::Field, "f.json"),
     ] {
-        harness.state_mut().take(kind, folder.join(name));
+        harness.state_mut().export_files(kind, &folder.join(name));
         settle(&mut harness);
-        assert!(folder.join(name).exists(), "{kind:?}: {:?}", harness.state().messages.last());
+        assert!(
+            folder.join(name).exists(),
+            "{kind:?}: {:?}",
+            harness.state().shell.messages.last()
+        );
     }
     assert!(
         folder.join("maps/height.png").exists()
             && folder.join("maps/bias.json").exists()
             && folder.join("paint/bias.json").exists()
     );
-    assert!(!harness.state().messages.open, "{:?}", harness.state().messages.last());
+    assert!(!harness.state().shell.messages.open, "{:?}", harness.state().shell.messages.last());
     // No scene, no scene files; an unknown format; and a disk without room.
     let before = numbers(harness.state());
     for (kind, path, part) in [
@@ -338,14 +363,14 @@ fn live_waves_are_taken_away_and_a_full_disk_loses_nothing() {
         (Kind::Surface, folder.join("x.fbx"), "let it end in .obj"),
         (Kind::Surface, full_disk(&folder).join("x.obj"), "writing failed"),
     ] {
-        harness.state_mut().take(kind, path);
+        harness.state_mut().export_files(kind, &path);
         settle(&mut harness);
-        let message = harness.state().messages.last().unwrap().text.clone();
-        assert!(harness.state().messages.open && message.contains(part), "{message}");
+        let message = harness.state().shell.messages.last().unwrap().text.clone();
+        assert!(harness.state().shell.messages.open && message.contains(part), "{message}");
         assert!(message.contains("your work is still here"), "{message}");
         harness.step();
         says(&harness, part);
-        harness.state_mut().messages.open = false;
+        harness.state_mut().shell.messages.open = false;
     }
     assert_eq!(numbers(harness.state()), before);
     let _ = std::process::Command::new("umount").arg(folder.join("full")).output();
@@ -379,10 +404,14 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
     harness.state_mut().open(&bad);
     settle(&mut harness);
     says(&harness, "bad.glb");
-    assert_eq!(harness.state().document.subject.source.stem(), "curtain", "what was open stays");
+    assert_eq!(
+        harness.state().session.document.subject.source.stem(),
+        "curtain",
+        "what was open stays"
+    );
     press(&mut harness, "Close");
     harness.step();
-    assert!(!harness.state().messages.open);
+    assert!(!harness.state().shell.messages.open);
     let path = folder.join("small.toml");
     std::fs::write(&path, SCENE).unwrap();
     harness.state_mut().open(&path);
@@ -394,13 +423,13 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
     }
     says(&harness, "has changed since it was read");
     assert_eq!(
-        harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0],
+        harness.state().session.document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0],
         0.006
     );
     press(&mut harness, "Read again");
     settle(&mut harness);
     assert_eq!(
-        harness.state().document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0],
+        harness.state().session.document.subject.scene.as_ref().unwrap().scene.clamp[1].move_m[0],
         0.007
     );
     std::fs::remove_dir_all(&folder).unwrap();
@@ -410,13 +439,13 @@ fn bad_files_and_files_that_change_are_told_in_the_window() {
 fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
     let folder = folder("choose");
     let mut harness = window(studio(false, None));
-    harness.state_mut().playing = false;
-    harness.state_mut().tab = Tab::Paint;
+    harness.state_mut().viewport.playing = false;
+    harness.state_mut().shell.tab = Tab::Paint;
     settle(&mut harness);
-    harness.state_mut().brush.radius_m = 0.4;
+    harness.state_mut().tools.brush.radius_m = 0.4;
     drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
     let painted = numbers(harness.state());
-    assert!(harness.state().is_unsaved());
+    assert!(harness.state().session.is_unsaved());
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     harness.step();
     harness.step();
@@ -425,12 +454,12 @@ fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
     press(&mut harness, "Save");
     harness.step();
     assert!(
-        path.is_file() && !harness.state().is_unsaved(),
+        path.is_file() && !harness.state().session.is_unsaved(),
         "{:?}",
-        harness.state().messages.last()
+        harness.state().shell.messages.last()
     );
     harness.state_mut().show_own("sleeve");
-    harness.state_mut().playing = false;
+    harness.state_mut().viewport.playing = false;
     settle(&mut harness);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::O);
     harness.step();
@@ -438,9 +467,13 @@ fn files_are_chosen_in_the_window_and_saved_work_comes_back() {
     write_name(&mut harness, &path);
     press(&mut harness, "Open");
     let begun = Instant::now();
-    while harness.state().path.as_deref() != Some(path.as_path()) {
+    while harness.state().session.path.as_deref() != Some(path.as_path()) {
         harness.step();
-        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", harness.state().messages.last());
+        assert!(
+            begun.elapsed() < Duration::from_secs(60),
+            "{:?}",
+            harness.state().shell.messages.last()
+        );
     }
     assert_eq!(numbers(harness.state()), painted);
     std::fs::remove_dir_all(&folder).unwrap();
@@ -460,10 +493,10 @@ fn write_name(harness: &mut Harness<'static, Studio>, path: &Path) {
 fn what_a_killed_program_left_is_recovered() {
     let folder = folder("recover");
     let mut harness = window(studio(false, Some(folder.clone())));
-    harness.state_mut().playing = false;
-    harness.state_mut().tab = Tab::Paint;
+    harness.state_mut().viewport.playing = false;
+    harness.state_mut().shell.tab = Tab::Paint;
     settle(&mut harness);
-    harness.state_mut().brush.radius_m = 0.4;
+    harness.state_mut().tools.brush.radius_m = 0.4;
     drag(&mut harness, &[MIDDLE, pos2(740.0, 420.0), pos2(780.0, 450.0)]);
     let painted = numbers(harness.state());
     // Twenty seconds of frames.
@@ -481,26 +514,27 @@ fn what_a_killed_program_left_is_recovered() {
     press(&mut next, "Recover");
     settle(&mut next);
     assert_eq!(numbers(next.state()), painted);
-    assert!(next.state().is_unsaved());
+    assert!(next.state().session.is_unsaved());
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
 #[test]
 fn losing_the_gpu_leaves_a_picture_and_the_work() {
     let mut harness = window(studio(true, None));
-    harness.state_mut().playing = false;
+    harness.state_mut().viewport.playing = false;
     settle(&mut harness);
-    let device = harness.state().sheet.as_ref().unwrap().device.clone();
-    if device == plisse_studio::view::pencil::TWINS {
+    let device = harness.state().viewport.frame.as_ref().unwrap().device.clone();
+    if device == plisse_studio::view::renderer::CPU_NAME {
         eprintln!("no GPU and no driver that stands in for one");
         return;
     }
-    let (with, before) = (harness.state().sheet.clone().unwrap(), numbers(harness.state()));
-    harness.state_mut().lose_device();
+    let (with, before) =
+        (harness.state().viewport.frame.clone().unwrap(), numbers(harness.state()));
+    harness.state_mut().viewport.lose_device();
     settle(&mut harness);
-    let sheet = harness.state().sheet.clone().unwrap();
-    assert_eq!(sheet.device, plisse_studio::view::pencil::TWINS);
-    let message = harness.state().messages.last().unwrap().text.clone();
+    let frame = harness.state().viewport.frame.clone().unwrap();
+    assert_eq!(frame.device, plisse_studio::view::renderer::CPU_NAME);
+    let message = harness.state().shell.messages.last().unwrap().text.clone();
     assert!(message.contains("drawn by the processor from now on"), "{message}");
     assert_eq!(numbers(harness.state()), before);
     // The twin draws the same picture, but for rounding.
@@ -508,7 +542,7 @@ fn losing_the_gpu_leaves_a_picture_and_the_work() {
         .image
         .pixels
         .iter()
-        .zip(&sheet.image.pixels)
+        .zip(&frame.image.pixels)
         .filter(|(a, b)| a.abs_diff(**b) > 12)
         .count();
     assert!(off * 50 < with.image.pixels.len(), "{off} of {}", with.image.pixels.len());
@@ -525,35 +559,36 @@ fn what_is_painted_grows() {
     let mut harness = window(studio(false, None));
     harness.state_mut().open(&path);
     settle(&mut harness);
-    harness.state_mut().tab = Tab::Paint;
+    harness.state_mut().shell.tab = Tab::Paint;
     harness.state_mut().choose_layer(Layer::Expansion);
-    harness.state_mut().brush.radius_m = 0.03;
-    harness.state_mut().brush.value = 0.2;
+    harness.state_mut().tools.brush.radius_m = 0.03;
+    harness.state_mut().tools.brush.value = 0.2;
     settle(&mut harness);
     drag(
         &mut harness,
         &[pos2(600.0, 400.0), pos2(660.0, 400.0), pos2(740.0, 400.0), pos2(800.0, 400.0)],
     );
     assert!(
-        harness.state().document.layers.is_painted(Layer::Expansion),
+        harness.state().session.document.layers.is_painted(Layer::Expansion),
         "{:?}",
-        harness.state().messages.last()
+        harness.state().shell.messages.last()
     );
-    harness.state_mut().document.settings.fold_spacing_m = 0.05;
+    harness.state_mut().session.document.settings.fold_spacing_m = 0.05;
     press(&mut harness, "Grow");
     harness.step();
     press(&mut harness, "Grow the whole");
     settle(&mut harness);
     let grown = harness
         .state()
+        .jobs
         .growth
         .grown
         .clone()
-        .unwrap_or_else(|| panic!("{:?}", harness.state().messages.last()));
+        .unwrap_or_else(|| panic!("{:?}", harness.state().shell.messages.last()));
     let raised = grown.pose.iter().map(|p| p.z.abs()).fold(0.0, f64::max);
     assert!(raised > 5e-4, "{raised} m");
-    assert_eq!(harness.state().looking, Looking::Grown);
-    harness.state_mut().take(Kind::Surface, folder.join("grown.obj"));
+    assert_eq!(harness.state().viewport.shown, ShownSurface::Grown);
+    harness.state_mut().export_files(Kind::Surface, &folder.join("grown.obj"));
     settle(&mut harness);
     assert!(folder.join("grown.obj").exists());
     std::fs::remove_dir_all(&folder).unwrap();
@@ -568,41 +603,47 @@ fn the_surface_folds_under_the_brush_and_what_is_taken_back_comes_back_to_the_bi
     );
     let studio = harness.state_mut();
     studio.show(plisse_studio::document::Document::new(sheet), None);
-    (studio.document.settings.fold_spacing_m, studio.document.settings.coherence_m) = (0.2, 0.2);
-    (studio.playing, studio.tab) = (false, Tab::Grow);
-    studio.brush.radius_m = 0.12;
+    (
+        studio.session.document.settings.fold_spacing_m,
+        studio.session.document.settings.coherence_m,
+    ) = (0.2, 0.2);
+    (studio.viewport.playing, studio.shell.tab) = (false, Tab::Grow);
+    studio.tools.brush.radius_m = 0.12;
     settle(&mut harness);
     harness.get_by_label("fold under the brush").click();
     harness.step();
-    assert!(harness.state().growth.follows() && harness.state().brush.layer == Layer::Expansion);
+    assert!(
+        harness.state().jobs.growth.follows()
+            && harness.state().tools.brush.layer == Layer::Expansion
+    );
     let stroke = |y: f32| [-60.0, -30.0, 0.0, 30.0, 60.0].map(|x| MIDDLE + egui::vec2(x, y));
     let pose = |harness: &Harness<'static, Studio>| {
-        harness.state().growth.grown.as_ref().unwrap().pose.clone()
+        harness.state().jobs.growth.grown.as_ref().unwrap().pose.clone()
     };
     drag(&mut harness, &stroke(-40.0));
     settle(&mut harness);
     let first = pose(&harness);
     let depth = |pose: &[plisse::mesh::Vec3]| pose.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
     assert!(depth(&first) > 0.01, "{}", depth(&first));
-    assert_eq!(harness.state().looking, Looking::Grown);
+    assert_eq!(harness.state().viewport.shown, ShownSurface::Grown);
     // Far from the stroke nothing moves at all.
     let flat = first.iter().filter(|p| p.y == 0.0).count();
     assert!(flat > 200 && flat < 1500, "{flat}");
     drag(&mut harness, &stroke(60.0));
     settle(&mut harness);
     assert_ne!(pose(&harness), first);
-    harness.state_mut().run(plisse_studio::commands::Command::Undo);
+    harness.state_mut().run(Command::Undo);
     settle(&mut harness);
     assert_eq!(pose(&harness), first);
     // Done again, it folds again; what cannot be followed is told.
-    harness.state_mut().run(plisse_studio::commands::Command::Redo);
+    harness.state_mut().run(Command::Redo);
     settle(&mut harness);
     assert_ne!(pose(&harness), first);
     harness.state_mut().fold_under_brush(false);
-    harness.state_mut().growth.grown = None;
+    harness.state_mut().jobs.growth.grown = None;
     harness.state_mut().fold_under_brush(true);
     let begun = Instant::now();
-    while harness.state().growth.follows() && begun.elapsed() < Duration::from_secs(20) {
+    while harness.state().jobs.growth.follows() && begun.elapsed() < Duration::from_secs(20) {
         harness.step();
     }
     harness.step();
@@ -612,7 +653,7 @@ fn the_surface_folds_under_the_brush_and_what_is_taken_back_comes_back_to_the_bi
 #[test]
 fn frames_of_a_hundred_thousand_vertices_are_measured() {
     let (rows, strokes, device) =
-        plisse_studio::measure::rows(false, &[View::Wrinkled], 1).unwrap();
+        plisse_studio::automation::measure::rows(false, &[View::Wrinkled], 1).unwrap();
     for row in &rows {
         eprintln!(
             "{:<18} idle {:.2} ms, longest {:.1} ms, stages {:.1} ms, drawing {:.1} ms ({device})",

@@ -12,5 +12,5 @@ pub mod trail;
 
 pub use painting::{Canvas, Painting};
 pub use pick::{Hit, Ray, between, nearest, nearest_among, pick, pick_among};
-pub use reach::Surface;
+pub use reach::VertexFaces;
 pub use trail::Trail;

@@ -8,7 +8,7 @@ use plisse_live::Vec3;
 use plisse_live::unify::Unified;
 
 use super::pick::{Hit, nearest_among};
-use super::reach::Surface;
+use super::reach::VertexFaces;
 use crate::document::layers::LONGEST_BIAS;
 use crate::document::subject::bounds;
 use crate::document::{Action, Brush, Change, Heading, Layer, Layers, Mirror, Stroke};
@@ -23,7 +23,7 @@ pub struct Canvas<'a> {
     /// The mesh.
     pub unified: &'a Unified,
     /// Its faces around vertices.
-    pub surface: &'a Surface,
+    pub vertex_faces: &'a VertexFaces,
     /// `[U]` places in which it is seen (m).
     pub posed: &'a [Vec3],
 }
@@ -120,7 +120,7 @@ impl Painting {
             return;
         };
         let ring = canvas.unified.around(middle as usize).iter().chain([&middle]);
-        let some = ring.flat_map(|&v| canvas.surface.around(v).iter().copied());
+        let some = ring.flat_map(|&v| canvas.vertex_faces.around(v).iter().copied());
         if let Some(other) = nearest_among(x, faces, some, &place)
             .filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm())
         {
@@ -141,13 +141,9 @@ impl Painting {
         let direction = if across { normal.cross(&unit) } else { unit };
         let layer = self.brush.layer;
         let values = layers.of(layer);
-        for (v, distance_m) in canvas.surface.reach(
-            &unified.faces,
-            canvas.posed,
-            hit,
-            self.brush.radius_m,
-            &mut self.reach,
-        ) {
+        let radius_m = self.brush.radius_m;
+        let reached = canvas.vertex_faces.reach(canvas.posed, hit, radius_m, &mut self.reach);
+        for (v, distance_m) in reached {
             let weight = self.brush.falloff.weight(distance_m / self.brush.radius_m);
             if weight <= 0.0 {
                 continue;

@@ -1,21 +1,23 @@
-//! The faces around vertices, and how far a brush reaches over them.
+//! The faces around vertices, and the vertices within a brush's reach.
 
 use plisse::mesh::{Vec3 as Wide, reach::Reach};
 use plisse_live::Vec3;
 
 use super::pick::Hit;
 
-/// Which faces lie around each vertex of a mesh. Never changes after it is built.
+/// The faces of a mesh, and those around each vertex.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Surface {
-    /// `[U + 1]` where each vertex's faces begin in `list`.
+pub struct VertexFaces {
+    /// `[F]` faces.
+    faces: Vec<[u32; 3]>,
+    /// `[U + 1]` begin of each vertex's faces in `list`.
     starts: Vec<u32>,
     /// Faces around vertices.
     list: Vec<u32>,
 }
 
-impl Surface {
-    /// Of `faces` over `count` vertices.
+impl VertexFaces {
+    /// The adjacency of `faces` over `count` vertices.
     pub fn new(faces: &[[u32; 3]], count: usize) -> Self {
         let mut starts = vec![0u32; count + 1];
         faces.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
@@ -28,7 +30,7 @@ impl Surface {
                 next[v as usize] += 1;
             }
         }
-        Self { starts, list }
+        Self { faces: faces.to_vec(), starts, list }
     }
 
     /// Faces around vertex `v`.
@@ -36,17 +38,16 @@ impl Surface {
         &self.list[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// Vertices closer to `from` than `radius_m` along `faces` over `positions`, with their
-    /// distances (m), the nearest first; `room` is kept from search to search.
+    /// Vertices closer to `from` than `radius_m` along the surface in this pose, with their distances
+    /// (m), the nearest first. `room` is reused from search to search.
     pub fn reach(
         &self,
-        faces: &[[u32; 3]],
         positions: &[Vec3],
         from: &Hit,
         radius_m: f32,
         room: &mut Reach,
     ) -> Vec<(u32, f32)> {
-        let face = |f: u32| faces[f as usize].map(|v| v as usize);
+        let face = |f: u32| self.faces[f as usize].map(|v| v as usize);
         let around = |v: usize| self.around(v as u32).iter().map(|&f| face(f));
         let wide = |p: &Vec3| Wide::new(f64::from(p.x), f64::from(p.y), f64::from(p.z));
         let found = room.from(
@@ -71,10 +72,10 @@ mod tests {
     fn on_a_flat_square_distances_are_straight() {
         let unified = Unified::new(&models::square().unwrap(), 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
-        let surface = Surface::new(faces, unified.count());
+        let surface = VertexFaces::new(faces, unified.count());
         for place in [Vec3::new(0.31, 0.42, 0.0), Vec3::new(0.02, 0.97, 0.0), x[5]] {
             let from = nearest(x, faces, &place).unwrap();
-            let found = surface.reach(faces, x, &from, 0.4, &mut Reach::new(x.len()));
+            let found = surface.reach(x, &from, 0.4, &mut Reach::new(x.len()));
             let within =
                 (0..x.len()).filter(|&v| (x[v] - from.position).norm() < 0.4 - 1e-3).count();
             assert!(found.len() >= within && within > 10, "{} of {within}", found.len());
@@ -89,9 +90,9 @@ mod tests {
     fn around_a_sleeve_distances_follow_the_cloth_and_not_the_air() {
         let unified = Unified::new(&models::sleeve(), 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
-        let surface = Surface::new(faces, unified.count());
+        let surface = VertexFaces::new(faces, unified.count());
         let from = nearest(x, faces, &Vec3::new(0.3, 0.06, 0.0)).unwrap();
-        let found = surface.reach(faces, x, &from, 0.3, &mut Reach::new(x.len()));
+        let found = surface.reach(x, &from, 0.3, &mut Reach::new(x.len()));
         // The far side lies π·6 cm away, 12 cm through the air; the mesh has 20 sides, which
         // shortens by 0.4 %.
         let far = found

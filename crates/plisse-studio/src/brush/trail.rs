@@ -35,7 +35,7 @@ impl Trail {
     /// Begins a stroke at `pointer`.
     pub fn begin(brush: Brush, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Self {
         let painting = Painting::new(brush, canvas.unified.count());
-        let hit = meet(canvas, camera, pointer);
+        let hit = hit(canvas, camera, pointer);
         Self {
             painting,
             pointer,
@@ -50,7 +50,7 @@ impl Trail {
     pub fn go(&mut self, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) {
         let from = self.pointer;
         self.pointer = pointer;
-        let target = meet(canvas, camera, pointer);
+        let target = hit(canvas, camera, pointer);
         let spacing_m = SPACING * self.painting.brush().radius_m;
         // Off the surface, steps are as long as on the screen they would have to be.
         let way_m = match (&self.last, &target) {
@@ -155,7 +155,7 @@ impl Trail {
 }
 
 /// Where the surface is under `pointer`.
-pub fn meet(canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Option<Hit> {
+pub fn hit(canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Option<Hit> {
     pick(canvas.posed, &canvas.unified.faces, &Ray::through(camera, pointer)?)
 }
 

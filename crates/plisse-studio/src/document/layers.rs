@@ -52,16 +52,28 @@ impl Layer {
         matches!(self, Self::Wrinkles | Self::Expansion)
     }
 
-    /// Least and most that can be painted, the unit, and what one is called.
-    pub fn range(self) -> (f32, f32, &'static str) {
-        match self {
+    /// The range of its values.
+    pub fn range(self) -> Range {
+        let (low, high, unit) = match self {
             Self::Wrinkles => (0.0, LONGEST_BIAS, ""),
             Self::Wavelength => (LEAST_SHARE, 1.0, ""),
             Self::Expansion => (0.0, 3.0, ""),
             Self::Coherence => (0.0, 1.0, " m"),
             Self::Freeze => (0.0, 1.0, ""),
-        }
+        };
+        Range { low, high, unit }
     }
+}
+
+/// The range of a layer's values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least value.
+    pub low: f32,
+    /// Largest value.
+    pub high: f32,
+    /// Unit, with the space before it.
+    pub unit: &'static str,
 }
 
 /// All layers of one model with `U` unified vertices.

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use plisse::{Error, Result};
 
-use super::layers::{Layer, amount};
+use super::layers::{Layer, Range, amount};
 use super::{Document, Subject};
 
 /// How far beyond islands numbers are carried (texels).
@@ -95,7 +95,7 @@ fn padded(texels: &[Option<[f32; 4]>], size: usize) -> Vec<Option<[f32; 4]>> {
 /// # Errors
 /// What `out` says.
 pub fn write_png<W: Write + ?Sized>(out: &mut W, layer: Layer, map: &PaintMap) -> io::Result<()> {
-    let (low, high, _) = layer.range();
+    let Range { low, high, .. } = layer.range();
     let share = |x: f32| (((x - low) / (high - low)).clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;
     let mut data = Vec::with_capacity(8 * map.texels.len());
     for texel in &map.texels {

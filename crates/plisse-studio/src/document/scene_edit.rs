@@ -1,4 +1,4 @@
-//! Changes of a scene's text: constants and clamps, with everything else, comments too, as it was.
+//! Edits of a scene's text: constants and clamps change; everything else stays, comments too.
 
 use plisse::scene::{Scene, parse};
 use plisse::{Error, Result};
@@ -7,10 +7,10 @@ use toml_edit::{Array, DocumentMut, Item, Value, value};
 use super::subject::{SceneText, ready};
 use crate::fabrics::Fabric;
 
-/// A change that the Physics panel makes.
+/// An edit by the Physics tab.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
-    /// Other constants.
+    /// The constants of the material.
     Material {
         /// Young's modulus (Pa).
         young_pa: f64,
@@ -21,12 +21,25 @@ pub enum Edit {
         /// Density (kg/m³), where the scene has or needs one.
         density_kg_m3: Option<f64>,
     },
-    /// Clamp number `.0` moves by `.1` (m).
-    ClampMove(usize, [f64; 3]),
-    /// Clamp number `.0`, which turns, turns by `.1` (degrees).
-    ClampTurn(usize, f64),
-    /// Pressure inside (Pa).
-    Pressure(f64),
+    /// The displacement of a clamp.
+    ClampMove {
+        /// Number of the clamp.
+        clamp: usize,
+        /// Displacement from the start (m).
+        move_m: [f64; 3],
+    },
+    /// The angle of a clamp that turns.
+    ClampTurn {
+        /// Number of the clamp.
+        clamp: usize,
+        /// Angle (degrees).
+        angle_deg: f64,
+    },
+    /// The pressure inside.
+    Pressure {
+        /// Pressure above that outside (Pa).
+        pressure_pa: f64,
+    },
 }
 
 impl Edit {
@@ -37,12 +50,12 @@ impl Edit {
     }
 }
 
-/// A scene that was changed and whose surface is still to be made.
+/// An edited scene that is not built yet.
 #[derive(Clone, Debug)]
 pub struct Draft {
     /// The file's text.
     pub text: String,
-    /// What it says.
+    /// The scene in it.
     pub scene: Scene,
 }
 
@@ -52,10 +65,10 @@ impl Draft {
         Self { text: scene.text.clone(), scene: scene.scene.clone() }
     }
 
-    /// This with `edit`.
+    /// This draft with one more edit.
     ///
     /// # Errors
-    /// As [`parse`]: the change may be one that cannot be.
+    /// As [`parse`], for an invalid edit.
     pub fn with(&self, edit: &Edit) -> Result<Self> {
         let text = changed(&self.text, edit)?;
         let scene = parse(&self.scene.file, &text)?;
@@ -87,28 +100,29 @@ fn changed(text: &str, edit: &Edit) -> Result<String> {
                 set(&mut document["material"], "density_kg_m3", *density);
             }
         }
-        Edit::ClampMove(number, by) => {
-            let list: Array = by.iter().copied().collect();
-            if let Some(clamp) = clamp(&mut document, *number) {
+        Edit::ClampMove { clamp, move_m } => {
+            let list: Array = move_m.iter().copied().collect();
+            if let Some(clamp) = clamp_table(&mut document, *clamp) {
                 clamp.insert("move_m", value(list));
             }
         }
-        Edit::ClampTurn(number, angle_deg) => {
-            if let Some(turn) = clamp(&mut document, *number).and_then(|c| c.get_mut("turn")) {
+        Edit::ClampTurn { clamp, angle_deg } => {
+            let clamp = clamp_table(&mut document, *clamp);
+            if let Some(turn) = clamp.and_then(|c| c.get_mut("turn")) {
                 set(turn, "angle_deg", *angle_deg);
             }
         }
-        Edit::Pressure(pascal) => {
+        Edit::Pressure { pressure_pa } => {
             if document.get("load").is_none() {
                 document["load"] = toml_edit::table();
             }
-            set(&mut document["load"], "pressure_pa", *pascal);
+            set(&mut document["load"], "pressure_pa", *pressure_pa);
         }
     }
     Ok(document.to_string())
 }
 
-/// Replaces a number and leaves what stands around it.
+/// Replaces a number, and keeps the comments and spaces around it.
 fn set(table: &mut Item, key: &str, number: f64) {
     let Some(table) = table.as_table_like_mut() else { return };
     let mut fresh = Value::from(number);
@@ -118,7 +132,8 @@ fn set(table: &mut Item, key: &str, number: f64) {
     table.insert(key, Item::Value(fresh));
 }
 
-fn clamp(document: &mut DocumentMut, number: usize) -> Option<&mut dyn toml_edit::TableLike> {
+/// The table of a clamp in a scene's text.
+fn clamp_table(document: &mut DocumentMut, number: usize) -> Option<&mut dyn toml_edit::TableLike> {
     match document.get_mut("clamp")? {
         Item::ArrayOfTables(list) => {
             list.get_mut(number).map(|t| t as &mut dyn toml_edit::TableLike)
@@ -140,16 +155,16 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/01-twisted-cylinder.toml");
         let subject = Subject::scene(path.into(), std::fs::read_to_string(path).unwrap()).unwrap();
         let scene = Draft::of(&subject.scene.unwrap());
-        let found = scene.with(&Edit::ClampTurn(1, 7.5)).unwrap();
+        let found = scene.with(&Edit::ClampTurn { clamp: 1, angle_deg: 7.5 }).unwrap();
         assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg, 7.5);
         assert_eq!(found.text.lines().next(), scene.text.lines().next());
-        let found = found.with(&Edit::ClampMove(0, [0.0, 0.0, -0.01])).unwrap();
+        let found = found.with(&Edit::ClampMove { clamp: 0, move_m: [0.0, 0.0, -0.01] }).unwrap();
         assert_eq!(found.scene.clamp[0].move_m, [0.0, 0.0, -0.01]);
         let found = found.with(&Edit::fabric(&crate::fabrics::FABRICS[0])).unwrap();
         assert_eq!(found.scene.material.young_pa, crate::fabrics::FABRICS[0].young_pa);
         // Every digit of a number comes back.
         let number = 0.1 + 0.2;
-        let found = found.with(&Edit::ClampTurn(1, number)).unwrap();
+        let found = found.with(&Edit::ClampTurn { clamp: 1, angle_deg: number }).unwrap();
         assert_eq!(found.scene.clamp[1].turn.unwrap().angle_deg.to_bits(), number.to_bits());
         let bad =
             Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };

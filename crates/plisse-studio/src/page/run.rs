@@ -1,61 +1,36 @@
-//! What the page and the program say to each other.
+//! The program in a page: its start, and the files that come and go with each frame.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use eframe::{egui_wgpu, wgpu};
-use js_sys::{Array, Function, Promise, Reflect, Uint8Array};
+use js_sys::{Array, Uint8Array};
 use plisse::io::disk;
 use plisse_gpu::Gpu;
 use send_wrapper::SendWrapper;
-use wasm_bindgen::closure::Closure;
 use wasm_bindgen::{JsCast as _, JsValue};
-use wasm_bindgen_futures::{JsFuture, spawn_local};
+use wasm_bindgen_futures::spawn_local;
 
 use super::asked::Asked;
-use crate::driver::Driver;
+use super::bindings::{call, call_and_wait, tell, text_of};
+use super::files;
+use crate::automation::driver::Driver;
+use crate::automation::script;
+use crate::open;
 use crate::studio::{Start, Studio};
 use crate::view::Graphics;
-use crate::view::pencil::Hang;
+use crate::view::renderer::ShowTexture;
 use crate::window::Window;
-use crate::{open, script};
 
-/// Folder of autosaves, and the name of the one that an earlier visit left.
+/// Folder of autosaves.
 const AUTOSAVES: &str = "autosave";
-const LEFT: &str = "autosave/autosave-0.plisse.json";
+/// Path of the autosave that an earlier visit left behind.
+const LEFTOVER: &str = "autosave/autosave-0.plisse.json";
 
 thread_local! {
-    /// Whether there is an autosave of this visit.
+    /// True if there is an autosave of this visit.
     static KEEPS: Cell<bool> = const { Cell::new(false) };
-    /// Files that came from outside and are to be opened, and what calls for a frame then.
-    static ARRIVED: RefCell<(Vec<PathBuf>, Option<egui::Context>)> = const { RefCell::new((Vec::new(), None)) };
-}
-
-/// Calls a function of the page's script.
-fn call(name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
-    let script = Reflect::get(&js_sys::global(), &"plisse".into())?;
-    let function: Function = Reflect::get(&script, &name.into())?.dyn_into()?;
-    function.apply(&script, &arguments.iter().copied().collect::<Array>())
-}
-
-/// As [`call`], for functions that return promises.
-async fn call_and_wait(name: &str, arguments: &[&JsValue]) -> Result<JsValue, JsValue> {
-    JsFuture::from(call(name, arguments)?.dyn_into::<Promise>()?).await
-}
-
-/// Tells the page how the program is: "running" (what draws), "done" (with its script), "failed"
-/// (why).
-fn tell(state: &str, text: &str) {
-    // A page without this function has nobody who listens.
-    let _ = call("tell", &[&state.into(), &text.into()]);
-}
-
-fn text_of(value: &JsValue) -> String {
-    value
-        .as_string()
-        .or_else(|| value.dyn_ref::<js_sys::Error>().map(|e| String::from(e.message())))
-        .unwrap_or_else(|| format!("{value:?}"))
 }
 
 /// Starts the program in the page.
@@ -87,7 +62,7 @@ async fn run() -> Result<(), JsValue> {
         driver = Some(Driver::new(script::parse(&String::from_utf8_lossy(&bytes))));
     }
     if let Some(left) = call("kept", &[])?.as_string() {
-        disk::store().put(Path::new(LEFT), left.into_bytes());
+        disk::store().put(Path::new(LEFTOVER), left.into_bytes());
     }
     let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
     setup.instance_descriptor.backends = if asked.webgl {
@@ -111,13 +86,16 @@ fn window(
     asked: &Asked,
 ) -> plisse::Result<Window> {
     context.egui_ctx.set_theme(egui::Theme::Light);
-    ARRIVED.with_borrow_mut(|arrived| arrived.1 = Some(context.egui_ctx.clone()));
+    files::notify(context.egui_ctx.clone());
     let (graphics, name) = graphics(context);
     let keep = driver.is_none().then(|| PathBuf::from(AUTOSAVES));
     let ctx = context.egui_ctx.clone();
-    let mut studio =
-        Studio::new(Start { graphics, keep, wake: Arc::new(move || ctx.request_repaint()) })?;
-    studio.messages.note(format!(
+    let mut studio = Studio::new(Start {
+        graphics,
+        autosave_folder: keep,
+        request_repaint: Arc::new(move || ctx.request_repaint()),
+    })?;
+    studio.shell.messages.note(format!(
         "drawn by {}{}",
         name.split(':').next().unwrap_or_default(),
         why(&name, asked)
@@ -129,7 +107,7 @@ fn window(
     Ok(Window { studio, driver, failure: Arc::default() })
 }
 
-/// Why WebGL 2 draws, if it does.
+/// The reason why WebGL 2 draws, if it does.
 fn why(name: &str, asked: &Asked) -> &'static str {
     let has_webgpu = call("has_webgpu", &[]).is_ok_and(|has| has.is_truthy());
     match (name.starts_with("WebGL"), asked.webgl, has_webgpu) {
@@ -152,7 +130,7 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     let gpu = Gpu::shared(state.device.clone(), state.queue.clone(), format!("{api}{soft}"));
     // A page has one thread.
     let (device, renderer) = (state.device, SendWrapper::new(state.renderer));
-    let hang: Hang = Arc::new(move |view, there| {
+    let show: ShowTexture = Arc::new(move |view, there| {
         let mut renderer = renderer.write();
         match there {
             Some(id) => {
@@ -167,15 +145,14 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
             None => renderer.register_native_texture(&device, view, wgpu::FilterMode::Linear),
         }
     });
-    (Graphics::Window(gpu, hang), whole)
+    (Graphics::Window(gpu, show), whole)
 }
 
-/// What the page does after each frame: files come and go. `was_driven`: whether there was a script
-/// before it.
+/// Does the page's work after a frame: opens files that arrived, and hands over files that were
+/// written. `was_driven`: true if a script drove the frame.
 pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
-    let arrived = ARRIVED.with_borrow_mut(|arrived| std::mem::take(&mut arrived.0));
-    if let Some(path) = open::first(&arrived) {
-        window.studio.browser = None;
+    if let Some(path) = open::first(&files::take()) {
+        window.studio.shell.file_chooser = None;
         window.studio.ask_to_open(path.to_path_buf());
     }
     let written = disk::store().take_written();
@@ -183,7 +160,7 @@ pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
         let Ok(bytes) = disk::read(&path) else { continue };
         if path.starts_with(AUTOSAVES) {
             if call("keep", &[&String::from_utf8_lossy(&bytes).as_ref().into()]).is_err() {
-                window.studio.messages.problem(
+                window.studio.shell.messages.problem(
                     "the autosave is too large for the browser's \
                     storage; save the document now and then",
                 );
@@ -193,7 +170,7 @@ pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
                 .file_name()
                 .map_or_else(|| "file".into(), |n| n.to_string_lossy().into_owned());
             if let Err(error) = call("download", &[&name.into(), &Uint8Array::from(&bytes[..])]) {
-                window.studio.messages.problem(format!(
+                window.studio.shell.messages.problem(format!(
                     "the browser did not take {}: {}; try again",
                     path.display(),
                     text_of(&error)
@@ -202,7 +179,7 @@ pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
         }
     }
     let keeps = disk::list(Path::new(AUTOSAVES)).is_ok_and(|files| {
-        files.iter().any(|(name, _)| Path::new(AUTOSAVES).join(name) != Path::new(LEFT))
+        files.iter().any(|(name, _)| Path::new(AUTOSAVES).join(name) != Path::new(LEFTOVER))
     });
     if KEEPS.replace(keeps) && !keeps {
         // Storage that cannot be emptied costs a question at the next visit.
@@ -216,52 +193,5 @@ pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
         tell("done", "");
     }
     // A page is closed by its reader.
-    window.studio.quits = false;
-}
-
-/// Has the reader choose files; they are opened when they have come.
-pub fn choose() {
-    spawn_local(async {
-        let Ok(files) = call_and_wait("choose", &[]).await else { return };
-        let mut paths = Vec::new();
-        for file in Array::from(&files) {
-            let pair: Array = file.into();
-            let path = PathBuf::from(text_of(&pair.get(0)));
-            disk::store().put(&path, Uint8Array::new(&pair.get(1)).to_vec());
-            paths.push(path);
-        }
-        arrive(paths);
-    });
-}
-
-/// Reads files that were dropped; they are opened when they have come.
-pub fn read_dropped(files: Vec<egui::DroppedFileHandle>) {
-    spawn_local(async move {
-        let mut paths = Vec::new();
-        for file in files {
-            if let Ok(bytes) = file.bytes_async().await {
-                disk::store().put(file.path(), bytes);
-                paths.push(file.path().to_path_buf());
-            }
-        }
-        arrive(paths);
-    });
-}
-
-fn arrive(paths: Vec<PathBuf>) {
-    ARRIVED.with_borrow_mut(|(arrived, ctx)| {
-        arrived.extend(paths);
-        if let Some(ctx) = ctx {
-            ctx.request_repaint();
-        }
-    });
-}
-
-/// Does `work` after the next frames, which say what is done.
-pub fn later(work: impl FnOnce() + 'static) {
-    let work = Closure::once_into_js(work);
-    if call("later", &[&work]).is_err() {
-        // Without the page's clock: at once.
-        let _ = work.unchecked_into::<Function>().call0(&JsValue::NULL);
-    }
+    window.studio.shell.quits = false;
 }

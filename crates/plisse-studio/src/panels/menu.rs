@@ -1,182 +1,142 @@
-//! The menu bar and the line below.
+//! The menu bar and the status line.
 
 use egui::{Button, MenuBar, RichText, Ui};
 use plisse::io::disk;
 
 use crate::commands::Command;
-use crate::messages::Weight;
-use crate::panels::browser::Browser;
-use crate::studio::{Question, Studio, Tab};
+use crate::document::Document;
+use crate::messages::{Message, Messages, Weight};
+use crate::session::Session;
+use crate::shell::{Shell, Tab};
 use crate::view::View;
+use crate::viewport::Viewport;
 
-impl Studio {
-    pub(crate) fn menu(&mut self, ui: &mut Ui) {
-        MenuBar::new().ui(ui, |ui| {
-            ui.menu_button("File", |ui| {
-                self.entry(ui, Command::Open);
-                ui.menu_button("Models of its own", |ui| {
-                    for name in plisse_live::models::NAMES {
-                        if ui.button(name).clicked() {
-                            self.ask_to_show(name);
-                        }
-                    }
-                });
-                if !self.left.is_empty() {
-                    ui.menu_button("Recover", |ui| {
-                        for left in self.left.clone() {
-                            if ui
-                                .button(&left.name)
-                                .on_hover_text(left.path.display().to_string())
-                                .clicked()
-                            {
-                                self.recover(&left);
-                            }
-                        }
-                    });
-                }
-                ui.separator();
-                self.entry(ui, Command::Save);
-                self.entry(ui, Command::SaveAs);
-                if ui.button("Take away…").clicked() {
-                    self.tab = Tab::TakeAway;
-                }
-                if !disk::IN_MEMORY {
-                    ui.separator();
-                    self.entry(ui, Command::Quit);
-                }
-            });
-            ui.menu_button("Edit", |ui| {
-                self.entry(ui, Command::Undo);
-                self.entry(ui, Command::Redo);
-                ui.separator();
-                self.entry(ui, Command::SmallerBrush);
-                self.entry(ui, Command::LargerBrush);
-                self.entry(ui, Command::Erase);
-            });
-            ui.menu_button("View", |ui| {
-                (0..View::MAIN.len()).for_each(|n| self.entry(ui, Command::View(n as u8)));
-                ui.separator();
-                self.entry(ui, Command::Frame);
-            });
-            ui.menu_button("Run", |ui| {
-                self.entry(ui, Command::Play);
-                self.entry(ui, Command::Solve);
-            });
-            ui.menu_button("Messages", |ui| {
-                ui.set_min_width(420.0);
-                if self.messages.list().is_empty() {
-                    ui.label("nothing yet");
-                }
-                egui::ScrollArea::vertical().max_height(360.0).stick_to_bottom(true).show(
-                    ui,
-                    |ui| {
-                        for message in self.messages.list() {
-                            let times = if message.times > 1 {
-                                format!(" (×{})", message.times)
-                            } else {
-                                String::new()
-                            };
-                            let text = RichText::new(format!("{}{times}", message.text));
-                            ui.label(if message.weight == Weight::Problem {
-                                text.color(ui.visuals().error_fg_color)
-                            } else {
-                                text
-                            });
-                        }
-                    },
-                );
-            });
-            let name = self.document.subject.source.stem();
-            let star = if self.is_unsaved() { " *" } else { "" };
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.label(RichText::new(format!("{name}{star}")).strong());
-            });
-        });
-    }
-
-    fn entry(&mut self, ui: &mut Ui, command: Command) {
-        let enabled = match command {
-            Command::Undo => !self.document.history.done().is_empty(),
-            Command::Redo => self.document.history.undone() > 0,
-            Command::Play => self.document.settings.clip.is_some(),
-            Command::Solve => self.document.subject.scene.is_some(),
-            _ => true,
-        };
-        let keys = ui.ctx().format_shortcut(&command.shortcut());
-        if ui.add_enabled(enabled, Button::new(command.name()).shortcut_text(keys)).clicked() {
-            self.run(command);
-        }
-    }
-
-    /// The line below: vertices, milliseconds, what draws, and the last message.
-    pub(crate) fn status(&mut self, ui: &mut Ui) {
-        ui.horizontal(|ui| {
-            let unified = &self.document.subject.unified;
-            ui.label(format!("{} vertices, {} faces", unified.count(), unified.faces.len()));
+/// Shows the menu bar; the commands that were chosen.
+pub(crate) fn bar(ui: &mut Ui, session: &Session, shell: &mut Shell) -> Vec<Command> {
+    let document = &session.document;
+    let mut commands = Vec::new();
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| commands.extend(file(ui, document, shell)));
+        ui.menu_button("Edit", |ui| {
+            commands.extend(entry(ui, document, Command::Undo));
+            commands.extend(entry(ui, document, Command::Redo));
             ui.separator();
-            if let Some(sheet) = &self.sheet {
-                let total: f32 = sheet.stage_ms.iter().sum();
-                ui.label(format!("picture {total:.0} ms"))
-                    .on_hover_text("milliseconds of stages and drawing, on their own thread");
-                ui.separator();
-                ui.label(format!("frame {:.1} ms", self.frame_ms))
-                    .on_hover_text("milliseconds the window's own thread takes a frame");
-                ui.separator();
-                ui.label(&sheet.device).on_hover_text("what draws the picture");
-                ui.separator();
+            commands.extend(entry(ui, document, Command::SmallerBrush));
+            commands.extend(entry(ui, document, Command::LargerBrush));
+            commands.extend(entry(ui, document, Command::Erase));
+        });
+        ui.menu_button("View", |ui| {
+            for n in 0..View::MAIN.len() {
+                commands.extend(entry(ui, document, Command::View(n as u8)));
             }
-            if let Some(message) = self.messages.last() {
-                let text = RichText::new(&message.text);
-                let text = if message.weight == Weight::Problem {
-                    text.color(ui.visuals().error_fg_color)
-                } else {
-                    text
-                };
-                ui.add(egui::Label::new(text).truncate()).on_hover_text(&message.text);
+            ui.separator();
+            commands.extend(entry(ui, document, Command::Frame));
+        });
+        ui.menu_button("Run", |ui| {
+            commands.extend(entry(ui, document, Command::Play));
+            commands.extend(entry(ui, document, Command::Solve));
+        });
+        ui.menu_button("Messages", |ui| message_list(ui, &shell.messages));
+        let name = document.subject.source.stem();
+        let star = if session.is_unsaved() { " *" } else { "" };
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(format!("{name}{star}")).strong());
+        });
+    });
+    commands
+}
+
+fn file(ui: &mut Ui, document: &Document, shell: &mut Shell) -> Vec<Command> {
+    let mut commands = Vec::new();
+    commands.extend(entry(ui, document, Command::Open));
+    ui.menu_button("Built-in models", |ui| {
+        for name in plisse_live::models::NAMES {
+            if ui.button(name).clicked() {
+                commands.push(Command::OpenModel(name.to_owned()));
+            }
+        }
+    });
+    if !shell.leftovers.is_empty() {
+        ui.menu_button("Recover", |ui| {
+            for leftover in &shell.leftovers {
+                let button = ui.button(&leftover.name);
+                if button.on_hover_text(leftover.path.display().to_string()).clicked() {
+                    commands.push(Command::Recover(leftover.clone()));
+                }
             }
         });
     }
-
-    /// Opens `path`, after a question if that would lose something.
-    pub fn ask_to_open(&mut self, path: std::path::PathBuf) {
-        if self.is_unsaved() {
-            self.asks = Some(Question::Open(path));
-        } else {
-            self.open(&path);
-        }
+    ui.separator();
+    commands.extend(entry(ui, document, Command::Save));
+    commands.extend(entry(ui, document, Command::SaveAs));
+    if ui.button("Export…").clicked() {
+        shell.tab = Tab::Export;
     }
-
-    fn ask_to_show(&mut self, name: &str) {
-        if self.is_unsaved() {
-            self.asks = Some(Question::Own(name.to_owned()));
-        } else {
-            self.show_own(name);
-        }
+    if !disk::IN_MEMORY {
+        ui.separator();
+        commands.extend(entry(ui, document, Command::Quit));
     }
+    commands
+}
 
-    /// Shows one of the program's own models.
-    pub fn show_own(&mut self, name: &str) {
-        match crate::document::Subject::own(name) {
-            Ok(subject) => self.show(crate::document::Document::new(subject), None),
-            Err(error) => self.messages.problem(error),
-        }
+/// An entry of a menu; its command if it was chosen.
+fn entry(ui: &mut Ui, document: &Document, command: Command) -> Option<Command> {
+    let enabled = match command {
+        Command::Undo => !document.history.done().is_empty(),
+        Command::Redo => document.history.undone() > 0,
+        Command::Play => document.settings.clip.is_some(),
+        Command::Solve => document.subject.scene.is_some(),
+        _ => true,
+    };
+    let mut button = Button::new(command.name());
+    if let Some(keys) = command.shortcut() {
+        button = button.shortcut_text(ui.ctx().format_shortcut(&keys));
     }
+    ui.add_enabled(enabled, button).clicked().then_some(command)
+}
 
-    /// The window in which files are chosen.
-    pub(crate) fn browse(&mut self, ctx: &egui::Context) {
-        let Some(mut browser) = self.browser.take() else { return };
-        match browser.show(ctx) {
-            None => self.browser = Some(browser),
-            Some(None) => {}
-            Some(Some(path)) => self.chosen(&browser, path),
-        }
+fn message_list(ui: &mut Ui, messages: &Messages) {
+    ui.set_min_width(420.0);
+    if messages.list().is_empty() {
+        ui.label("no messages yet");
     }
+    egui::ScrollArea::vertical().max_height(360.0).stick_to_bottom(true).show(ui, |ui| {
+        for message in messages.list() {
+            let times = match message.times {
+                1 => String::new(),
+                times => format!(" (×{times})"),
+            };
+            ui.label(coloured(ui, message, format!("{}{times}", message.text)));
+        }
+    });
+}
 
-    fn chosen(&mut self, browser: &Browser, path: std::path::PathBuf) {
-        match browser.purpose {
-            crate::panels::browser::Purpose::Open => self.ask_to_open(path),
-            crate::panels::browser::Purpose::Save => self.save(&path),
-            crate::panels::browser::Purpose::Take(kind) => self.take(kind, path),
+/// A message's text, in the colour of its weight.
+fn coloured(ui: &Ui, message: &Message, text: String) -> RichText {
+    let text = RichText::new(text);
+    if message.weight == Weight::Problem { text.color(ui.visuals().error_fg_color) } else { text }
+}
+
+/// Shows the status line: size of the mesh, milliseconds, device, and the last message.
+pub(crate) fn status(ui: &mut Ui, document: &Document, viewport: &Viewport, shell: &Shell) {
+    ui.horizontal(|ui| {
+        let unified = &document.subject.unified;
+        ui.label(format!("{} vertices, {} faces", unified.count(), unified.faces.len()));
+        ui.separator();
+        if let Some(frame) = &viewport.frame {
+            let total: f32 = frame.stage_ms.iter().sum();
+            ui.label(format!("picture {total:.0} ms"))
+                .on_hover_text("time of the stages and of drawing, in the render thread (ms)");
+            ui.separator();
+            ui.label(format!("frame {:.1} ms", shell.frame_ms))
+                .on_hover_text("time of the window's own thread per frame (ms)");
+            ui.separator();
+            ui.label(&frame.device).on_hover_text("the device that draws the picture");
+            ui.separator();
         }
-    }
+        if let Some(message) = shell.messages.last() {
+            let text = coloured(ui, message, message.text.clone());
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(&message.text);
+        }
+    });
 }

@@ -1,147 +1,167 @@
-//! Paint: the brush.
+//! The Paint tab: the layers and the brush.
 
 use egui::{ComboBox, Slider, Ui};
 
-use super::slider;
+use super::widgets::{Labels, slider};
 use crate::commands::Command;
-use crate::document::{Action, Falloff, Heading, Layer, Mirror};
-use crate::studio::Studio;
+use crate::document::{Action, Brush, Document, Falloff, Heading, Layer, Mirror};
 use crate::view::View;
 
-impl Studio {
-    pub(crate) fn paint_panel(&mut self, ui: &mut Ui) {
-        ui.heading("Layer");
-        let mut layer = self.brush.layer;
-        for choice in Layer::ALL {
-            let painted = if self.document.layers.is_painted(choice) { " (painted)" } else { "" };
-            ui.radio_value(&mut layer, choice, format!("{}{painted}", choice.name()))
-                .on_hover_text(tip(choice));
-        }
-        if layer != self.brush.layer {
-            self.choose_layer(layer);
-        }
-        ui.add_space(6.0);
-        self.brush_controls(ui);
+/// Shows the tab; the commands that were chosen.
+pub(crate) fn panel(
+    ui: &mut Ui,
+    document: &Document,
+    brush: &mut Brush,
+    view: &mut View,
+) -> Vec<Command> {
+    let mut commands = Vec::new();
+    ui.heading("Layer");
+    let mut layer = brush.layer;
+    for choice in Layer::ALL {
+        let painted = if document.layers.is_painted(choice) { " (painted)" } else { "" };
+        ui.radio_value(&mut layer, choice, format!("{}{painted}", choice.name()))
+            .on_hover_text(tip(choice));
     }
+    if layer != brush.layer {
+        commands.push(Command::ChooseLayer(layer));
+    }
+    ui.add_space(6.0);
+    commands.extend(brush_controls(ui, document, brush, view));
+    commands
+}
 
-    /// The brush, whatever it paints on.
-    pub(crate) fn brush_controls(&mut self, ui: &mut Ui) {
-        let layer = self.brush.layer;
-        ui.heading("Brush");
-        ui.horizontal(|ui| {
-            ui.selectable_value(&mut self.brush.action, Action::Paint, "Paint");
-            ui.selectable_value(&mut self.brush.action, Action::Erase, "Erase")
-                .on_hover_text("E: back to what nobody painted");
-        });
-        let size_m = self.document.subject.size_m();
-        let radius = Slider::new(&mut self.brush.radius_m, 0.005 * size_m..=0.5 * size_m)
-            .logarithmic(true)
-            .text("radius")
-            .suffix(" m");
-        ui.add(radius).on_hover_text("radius along the surface (m); keys [ and ]");
-        slider(
-            ui,
-            &mut self.brush.strength,
-            0.05..=1.0,
-            "strength",
-            "",
-            "share of the way to the value that one stroke goes at its middle",
-        );
-        let (low, high, unit) = layer.range();
-        let high = if layer == Layer::Coherence { size_m } else { high };
-        let name = match layer {
-            Layer::Wrinkles => "amount",
-            Layer::Wavelength => "share of the wavelength",
-            Layer::Expansion => "growth",
-            Layer::Coherence => "length",
-            Layer::Freeze => "frozen",
-        };
-        slider(ui, &mut self.brush.value, low..=high, name, unit, tip(layer));
-        ComboBox::from_label("falloff").selected_text(falloff_name(self.brush.falloff)).show_ui(
-            ui,
-            |ui| {
-                for falloff in [Falloff::Smooth, Falloff::Linear, Falloff::Hard] {
-                    ui.selectable_value(&mut self.brush.falloff, falloff, falloff_name(falloff));
-                }
-            },
-        );
-        if layer.is_directed() {
-            let mut headings = vec![Heading::AlongStroke, Heading::AcrossStroke, Heading::Screen];
-            if layer == Layer::Expansion {
-                headings.push(Heading::Isotropic);
-            } else if self.brush.heading == Heading::Isotropic {
-                self.brush.heading = Heading::AlongStroke;
-            }
-            ComboBox::from_label("direction")
-                .selected_text(heading_name(layer, self.brush.heading))
-                .width(190.0)
-                .show_ui(ui, |ui| {
-                    for heading in headings {
-                        ui.selectable_value(
-                            &mut self.brush.heading,
-                            heading,
-                            heading_name(layer, heading),
-                        );
-                    }
-                });
-            if self.brush.heading == Heading::Screen {
-                let mut degrees = self.brush.screen_angle_rad.to_degrees();
-                if slider(
-                    ui,
-                    &mut degrees,
-                    -90.0..=90.0,
-                    "angle",
-                    "°",
-                    "from the picture's right upwards (degrees)",
-                ) {
-                    self.brush.screen_angle_rad = degrees.to_radians();
-                }
-            }
+/// Shows the controls of the brush; the commands that were chosen.
+pub(crate) fn brush_controls(
+    ui: &mut Ui,
+    document: &Document,
+    brush: &mut Brush,
+    view: &mut View,
+) -> Vec<Command> {
+    let layer = brush.layer;
+    ui.heading("Brush");
+    ui.horizontal(|ui| {
+        ui.selectable_value(&mut brush.action, Action::Paint, "Paint");
+        ui.selectable_value(&mut brush.action, Action::Erase, "Erase")
+            .on_hover_text("E: back to the unpainted value");
+    });
+    sizes(ui, brush, document.subject.size_m());
+    falloff(ui, &mut brush.falloff);
+    if layer.is_directed() {
+        direction(ui, brush);
+    }
+    mirror(ui, &mut brush.mirror);
+    ui.add_space(6.0);
+    let commands = history(ui, document);
+    let painted = if layer == Layer::Expansion { View::Expansion } else { View::Painted(layer) };
+    let mut shown = *view == painted;
+    if ui.checkbox(&mut shown, "Show what is painted").changed() {
+        *view = if shown { painted } else { View::Wrinkled };
+    }
+    commands
+}
+
+fn sizes(ui: &mut Ui, brush: &mut Brush, size_m: f32) {
+    let radius = Slider::new(&mut brush.radius_m, 0.005 * size_m..=0.5 * size_m)
+        .logarithmic(true)
+        .text("radius")
+        .suffix(" m");
+    ui.add(radius).on_hover_text("radius along the surface (m); keys [ and ]");
+    let labels = Labels {
+        name: "strength",
+        unit: "",
+        tip: "share of the way to the value that one stroke goes at its middle",
+    };
+    slider(ui, &mut brush.strength, 0.05..=1.0, labels);
+    let layer = brush.layer;
+    let range = layer.range();
+    let high = if layer == Layer::Coherence { size_m } else { range.high };
+    let name = match layer {
+        Layer::Wrinkles => "amount",
+        Layer::Wavelength => "share of the wavelength",
+        Layer::Expansion => "growth",
+        Layer::Coherence => "length",
+        Layer::Freeze => "frozen",
+    };
+    let labels = Labels { name, unit: range.unit, tip: tip(layer) };
+    slider(ui, &mut brush.value, range.low..=high, labels);
+}
+
+fn falloff(ui: &mut Ui, falloff: &mut Falloff) {
+    ComboBox::from_label("falloff").selected_text(falloff_name(*falloff)).show_ui(ui, |ui| {
+        for choice in [Falloff::Smooth, Falloff::Linear, Falloff::Hard] {
+            ui.selectable_value(falloff, choice, falloff_name(choice));
         }
-        ComboBox::from_label("mirror").selected_text(mirror_name(self.brush.mirror)).show_ui(
-            ui,
-            |ui| {
-                for mirror in [Mirror::Off, Mirror::X, Mirror::Y, Mirror::Z] {
-                    ui.selectable_value(&mut self.brush.mirror, mirror, mirror_name(mirror));
-                }
-            },
-        );
-        ui.add_space(6.0);
-        ui.horizontal(|ui| {
-            let undo =
-                ui.add_enabled(!self.document.history.done().is_empty(), egui::Button::new("Undo"));
-            if undo.on_hover_text(ui.ctx().format_shortcut(&Command::Undo.shortcut())).clicked() {
-                self.run(Command::Undo);
+    });
+}
+
+fn direction(ui: &mut Ui, brush: &mut Brush) {
+    let layer = brush.layer;
+    let mut headings = vec![Heading::AlongStroke, Heading::AcrossStroke, Heading::Screen];
+    if layer == Layer::Expansion {
+        headings.push(Heading::Isotropic);
+    } else if brush.heading == Heading::Isotropic {
+        brush.heading = Heading::AlongStroke;
+    }
+    ComboBox::from_label("direction")
+        .selected_text(heading_name(layer, brush.heading))
+        .width(190.0)
+        .show_ui(ui, |ui| {
+            for heading in headings {
+                ui.selectable_value(&mut brush.heading, heading, heading_name(layer, heading));
             }
-            let redo =
-                ui.add_enabled(self.document.history.undone() > 0, egui::Button::new("Redo"));
-            if redo.on_hover_text(ui.ctx().format_shortcut(&Command::Redo.shortcut())).clicked() {
-                self.run(Command::Redo);
-            }
-            let strokes = self.document.history.done().len();
-            ui.label(format!("{strokes} stroke{}", if strokes == 1 { "" } else { "s" }));
         });
-        let (view, name) = match layer {
-            Layer::Expansion => (View::Expansion, "Show what is painted"),
-            _ => (View::Painted(layer), "Show what is painted"),
+    if brush.heading == Heading::Screen {
+        let mut degrees = brush.screen_angle_rad.to_degrees();
+        let labels = Labels {
+            name: "angle",
+            unit: "°",
+            tip: "angle from the picture's right, upwards (degrees)",
         };
-        let mut shown = self.view == view;
-        if ui.checkbox(&mut shown, name).changed() {
-            self.view = if shown { view } else { View::Wrinkled };
+        if slider(ui, &mut degrees, -90.0..=90.0, labels) {
+            brush.screen_angle_rad = degrees.to_radians();
         }
     }
+}
+
+fn mirror(ui: &mut Ui, mirror: &mut Mirror) {
+    ComboBox::from_label("mirror").selected_text(mirror_name(*mirror)).show_ui(ui, |ui| {
+        for choice in [Mirror::Off, Mirror::X, Mirror::Y, Mirror::Z] {
+            ui.selectable_value(mirror, choice, mirror_name(choice));
+        }
+    });
+}
+
+fn history(ui: &mut Ui, document: &Document) -> Vec<Command> {
+    let strokes = document.history.done().len();
+    let buttons = [
+        ("Undo", Command::Undo, strokes > 0),
+        ("Redo", Command::Redo, document.history.undone() > 0),
+    ];
+    let mut commands = Vec::new();
+    ui.horizontal(|ui| {
+        for (name, command, enabled) in buttons {
+            let mut button = ui.add_enabled(enabled, egui::Button::new(name));
+            if let Some(keys) = command.shortcut() {
+                button = button.on_hover_text(ui.ctx().format_shortcut(&keys));
+            }
+            if button.clicked() {
+                commands.push(command);
+            }
+        }
+        ui.label(format!("{strokes} stroke{}", if strokes == 1 { "" } else { "s" }));
+    });
+    commands
 }
 
 fn tip(layer: Layer) -> &'static str {
     match layer {
         Layer::Wrinkles => {
-            "wrinkles that are there in the rest pose; the surface counts as shorter by the square \
-             of the amount"
+            "wrinkles in the rest pose; the surface counts as shorter by the square of the amount"
         }
         Layer::Wavelength => "share of the wavelength, 0.05 to 1",
-        Layer::Expansion => "by how much the surface shall grow (1 is twice as long)",
-        Layer::Coherence => "how far the crests of folds run straight (m)",
-        Layer::Freeze => "what is frozen from one half on does not move when it grows",
+        Layer::Expansion => "growth of the surface; 1 makes it twice as long",
+        Layer::Coherence => "length over which the crests of folds run straight (m)",
+        Layer::Freeze => "from 0.5 on, the surface does not move when it grows",
     }
 }
 
@@ -158,7 +178,7 @@ fn heading_name(layer: Layer, heading: Heading) -> &'static str {
         (Layer::Expansion, Heading::AlongStroke) => "grows along the stroke",
         (Layer::Expansion, Heading::AcrossStroke) => "grows across the stroke",
         (Layer::Expansion, Heading::Screen) => "grows along the screen",
-        (_, Heading::Isotropic) => "grows all ways",
+        (_, Heading::Isotropic) => "grows in all directions",
         (_, Heading::AlongStroke) => "folds along the stroke",
         (_, Heading::AcrossStroke) => "folds across the stroke",
         (_, Heading::Screen) => "folds along the screen",

@@ -1,4 +1,4 @@
-//! Plots: bars of milliseconds, and how energy and residual go over iterations.
+//! Plots: bars of milliseconds, and energy and residual over iterations.
 
 use egui::{Align2, Color32, FontId, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
 
@@ -34,8 +34,7 @@ pub fn stages(ui: &mut Ui, ms: &[f32; 5]) {
     }
 }
 
-/// Energy (blue, against its range) and residual (red, logarithm, over the tolerance) of all steps
-/// of one stage after the other.
+/// Energy (blue) and residual over its tolerance (red, logarithmic) of all steps, stage after stage.
 pub fn convergence(ui: &mut Ui, progress: &Progress) {
     let steps = &progress.steps;
     if steps.len() < 2 {
@@ -47,7 +46,7 @@ pub fn convergence(ui: &mut Ui, progress: &Progress) {
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
     let inner = rect.shrink2(vec2(8.0, 18.0));
     let x = |k: usize| inner.left() + inner.width() * k as f32 / (steps.len() - 1) as f32;
-    let residuals: Vec<f64> = steps.iter().map(|s| s.2.max(1e-3).log10()).collect();
+    let residuals: Vec<f64> = steps.iter().map(|s| s.residual.max(1e-3).log10()).collect();
     let (low, high) = range(&residuals);
     let residual_line: Vec<Pos2> =
         residuals.iter().enumerate().map(|(k, r)| pos2(x(k), y(inner, *r, low, high))).collect();
@@ -55,9 +54,10 @@ pub fn convergence(ui: &mut Ui, progress: &Progress) {
     // Energies of different stages have nothing to do with each other: each has its own range.
     let mut begin = 0;
     while begin < steps.len() {
-        let end =
-            (begin..steps.len()).find(|&k| steps[k].0 != steps[begin].0).unwrap_or(steps.len());
-        let energies: Vec<f64> = steps[begin..end].iter().map(|s| s.1).collect();
+        let end = (begin..steps.len())
+            .find(|&k| steps[k].stage != steps[begin].stage)
+            .unwrap_or(steps.len());
+        let energies: Vec<f64> = steps[begin..end].iter().map(|s| s.energy_joule).collect();
         let (low, high) = range(&energies);
         let line: Vec<Pos2> = energies
             .iter()
@@ -96,7 +96,7 @@ pub fn convergence(ui: &mut Ui, progress: &Progress) {
     if let Some(last) = steps.last() {
         response.on_hover_text(format!(
             "{}: energy {:.6e} J, residual {:.1e} times the tolerance",
-            last.0, last.1, last.2
+            last.stage, last.energy_joule, last.residual
         ));
     }
 }

@@ -1,7 +1,8 @@
-//! What the corners of faces carry in each view. Numbers become texture coordinates of a [`Scale`];
-//! waves are left out where they would only disturb.
+//! The corners of faces in each view. Numbers become texture coordinates of a [`Scale`]; only the
+//! wrinkled view has waves.
 
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
 use nalgebra::Matrix2;
 use plisse_live::render::Corner;
@@ -10,64 +11,64 @@ use plisse_live::unify::Unified;
 use plisse_live::{Vec2, Vec3};
 
 use super::colours::{Scale, wire_uvs};
-use super::{Legend, View};
-use crate::document::layers::amount;
+use super::kind::{Legend, View};
+use crate::document::Layer;
+use crate::document::layers::{Range, amount};
 
-/// Strain (no unit) at which colours end at least.
+/// Least strain (no unit) at the ends of the colour scale.
 const LEAST_STRAIN: f32 = 0.02;
 
 /// Waves and pose of a surface, as views need them. `U` unified vertices, `F` faces.
 #[derive(Clone, Copy)]
-pub struct Scene<'a> {
+pub struct ViewedSurface<'a> {
     /// `[F]` faces as they are drawn wrinkled.
     pub wrinkled: &'a [[Corner; 3]],
     /// The mesh at rest.
     pub unified: &'a Unified,
-    /// `[F]` strain along its two principal directions, the lesser first, if it is known otherwise
-    /// than from the mesh at rest.
+    /// `[F]` principal strain, the lesser first; `None`: it is computed from the mesh at rest.
     pub strain: Option<&'a [[f32; 2]]>,
     /// The posed vertices.
-    pub posed: &'a Skinned,
+    pub posed: &'a Arc<Skinned>,
     /// `[U]` amplitude (m).
     pub amplitude_m: &'a [f32],
     /// `[U]` numbers of the layer that the view shows, or empty.
     pub layer: &'a [[f32; 4]],
-    /// Where the viewer is (m).
+    /// Position of the viewer (m).
     pub eye: Vec3,
 }
 
-/// How much of the light on faces whose colours are numbers comes from where they face; the rest is
-/// even, so that colours can be read.
+/// Share of the light that depends on a face's normal where colours are numbers; the rest is even,
+/// so that colours can be read.
 const RELIEF: f32 = 0.3;
 
-/// Faces for `view`, the scale they are drawn with, and what its colours mean.
-pub fn faces(scene: &Scene<'_>, view: View) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
+/// Faces for `view`, the scale they are drawn with, and the meaning of its colours.
+pub fn faces(surface: &ViewedSurface<'_>, view: View) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
     match view {
-        View::Wrinkled => (scene.wrinkled.to_vec(), Scale::Base, None),
-        View::Wireframe => (each(scene, |_| wire_uvs()), Scale::Wire, None),
-        View::Strain => strained(scene),
+        View::Wrinkled => (surface.wrinkled.to_vec(), Scale::Base, None),
+        View::Wireframe => (each(surface, |_| wire_uvs()), Scale::Wire, None),
+        View::Strain => strained(surface),
         View::Amplitude => {
-            let most = scene.amplitude_m.iter().copied().fold(0.0, f32::max);
+            let most = surface.amplitude_m.iter().copied().fold(0.0, f32::max);
             let scale = if most > 0.0 { 1.0 / most } else { 0.0 };
             let unit = |x: f32| format!("{:.3} mm", 1e3 * x);
             let of = |f: usize| {
-                scene.unified.faces[f]
-                    .map(|v| Scale::Heat.uv(scene.amplitude_m[v as usize] * scale))
+                surface.unified.faces[f]
+                    .map(|v| Scale::Heat.uv(surface.amplitude_m[v as usize] * scale))
             };
             let legend = legend("Amplitude", [0.0, 0.5 * most, most].map(unit), Scale::Heat);
-            (each(scene, of), Scale::Heat, Some(legend))
+            (each(surface, of), Scale::Heat, Some(legend))
         }
         View::Phase => {
             let ticks = ["crest", "trough", "crest"].map(str::to_owned);
             (
-                each(scene, |f| phases(&scene.wrinkled[f])),
+                each(surface, |f| phases(&surface.wrinkled[f])),
                 Scale::Phase,
                 Some(legend("Phase", ticks, Scale::Phase)),
             )
         }
-        View::Direction => (each(scene, |_| [Scale::Heat.uv(0.0); 3]), Scale::Heat, None),
-        View::Expansion => painted(scene, crate::document::Layer::Expansion),
-        View::Painted(layer) => painted(scene, layer),
+        View::Direction => (each(surface, |_| [Scale::Heat.uv(0.0); 3]), Scale::Heat, None),
+        View::Expansion => painted(surface, Layer::Expansion),
+        View::Painted(layer) => painted(surface, layer),
     }
 }
 
@@ -76,16 +77,16 @@ fn legend(title: &str, ticks: [String; 3], colours: Scale) -> Legend {
 }
 
 /// Smooth faces with these texture coordinates.
-fn each(scene: &Scene<'_>, uvs: impl Fn(usize) -> [Vec2; 3]) -> Vec<[Corner; 3]> {
+fn each(surface: &ViewedSurface<'_>, uvs: impl Fn(usize) -> [Vec2; 3]) -> Vec<[Corner; 3]> {
     let of = |(f, face): (usize, &[Corner; 3])| {
         let uvs = uvs(f);
         let up =
             (face[1].position - face[0].position).cross(&(face[2].position - face[0].position));
         // Renderers turn the normals of faces seen from behind.
-        let sign = if up.dot(&(scene.eye - face[0].position)) < 0.0 { -1.0 } else { 1.0 };
+        let sign = if up.dot(&(surface.eye - face[0].position)) < 0.0 { -1.0 } else { 1.0 };
         [0, 1, 2].map(|k| {
             let to_viewer =
-                (scene.eye - face[k].position).try_normalize(1e-20).unwrap_or_else(Vec3::z);
+                (surface.eye - face[k].position).try_normalize(1e-20).unwrap_or_else(Vec3::z);
             let normal = face[k].normal * RELIEF + to_viewer * (sign * (1.0 - RELIEF));
             Corner {
                 uv: uvs[k],
@@ -95,22 +96,22 @@ fn each(scene: &Scene<'_>, uvs: impl Fn(usize) -> [Vec2; 3]) -> Vec<[Corner; 3]>
             }
         })
     };
-    scene.wrinkled.iter().enumerate().map(of).collect()
+    surface.wrinkled.iter().enumerate().map(of).collect()
 }
 
-fn strained(scene: &Scene<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
+fn strained(surface: &ViewedSurface<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
     let own: Vec<[f32; 2]>;
-    let strain = match scene.strain {
+    let strain = match surface.strain {
         Some(strain) => strain,
         None => {
-            own = scene
+            own = surface
                 .unified
                 .faces
                 .iter()
                 .map(|face| {
                     principal_strain(
-                        &scene.unified.vertices.positions,
-                        &scene.posed.positions,
+                        &surface.unified.vertices.positions,
+                        &surface.posed.positions,
                         face,
                     )
                 })
@@ -126,19 +127,16 @@ fn strained(scene: &Scene<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
     let of = |f: usize| [Scale::Diverging.uv(0.5 + 0.5 * larger(&strain[f]) / most); 3];
     let percent = |x: f32| format!("{:+.1} %", 100.0 * x);
     let legend = legend("Strain", [percent(-most), "0 %".into(), percent(most)], Scale::Diverging);
-    (each(scene, of), Scale::Diverging, Some(legend))
+    (each(surface, of), Scale::Diverging, Some(legend))
 }
 
-fn painted(
-    scene: &Scene<'_>,
-    layer: crate::document::Layer,
-) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
-    let (low, high, unit) = layer.range();
-    let values: Vec<f32> = scene.layer.iter().map(|x| amount(layer, x)).collect();
+fn painted(surface: &ViewedSurface<'_>, layer: Layer) -> (Vec<[Corner; 3]>, Scale, Option<Legend>) {
+    let Range { low, high, unit } = layer.range();
+    let values: Vec<f32> = surface.layer.iter().map(|x| amount(layer, x)).collect();
     // What one wants to see is what differs from bare cloth.
     let bare = amount(layer, &layer.neutral());
     let most = match layer {
-        crate::document::Layer::Expansion => values.iter().copied().fold(0.1, f32::max),
+        Layer::Expansion => values.iter().copied().fold(0.1, f32::max),
         _ => high,
     };
     let reversed = bare > low;
@@ -147,16 +145,16 @@ fn painted(
         if reversed { 1.0 - t } else { t }
     };
     let of = |f: usize| {
-        scene.unified.faces[f]
+        surface.unified.faces[f]
             .map(|v| Scale::Heat.uv(values.get(v as usize).map_or(0.0, |&x| share(x))))
     };
     let text = |x: f32| match layer {
-        crate::document::Layer::Expansion => format!("+{:.0} %", 100.0 * x),
+        Layer::Expansion => format!("+{:.0} %", 100.0 * x),
         _ => format!("{x:.2}{unit}"),
     };
     let (first, last) = if reversed { (most, low) } else { (low, most) };
     let ticks = [first, 0.5 * (first + last), last].map(text);
-    (each(scene, of), Scale::Heat, Some(legend(layer.name(), ticks, Scale::Heat)))
+    (each(surface, of), Scale::Heat, Some(legend(layer.name(), ticks, Scale::Heat)))
 }
 
 /// Turns of the wave of a face's strongest corner at its three corners.

@@ -17,8 +17,8 @@ use plisse::progress::{Observer, Step};
 use web_time::Instant;
 
 use super::grow::{self, Grown, Numbers};
-use super::thread::{apart, spawn};
 use crate::document::{Document, Layer, Layers};
+use crate::threads::{apart, spawn};
 use crate::view::Solid;
 
 /// Largest factor of length by which a place grows before its surroundings follow.
@@ -29,7 +29,7 @@ const BOUT: usize = 8;
 const MOST_BOUTS: usize = 25;
 
 /// Layers to follow.
-pub struct Wanted {
+pub struct FoldRequest {
     /// What is painted.
     pub layers: Layers,
     /// How many strokes led to it, with the one on its way.
@@ -50,16 +50,16 @@ pub struct Folded {
 }
 
 /// Where the window and the thread meet.
-struct Desk {
+struct Shared {
     /// What to begin with, until the follower is made.
     document: Mutex<Option<(Document, Option<Arc<Grown>>)>>,
     follower: Mutex<Option<Follower>>,
-    wanted: Mutex<Option<Wanted>>,
+    wanted: Mutex<Option<FoldRequest>>,
     is_over: AtomicBool,
     out: Mutex<Option<Result<Folded>>>,
 }
 
-impl Desk {
+impl Shared {
     /// Follows the newest layers, or comes nearer to rest where there are none.
     fn work(&self) -> Result<Folded> {
         let lost = || {
@@ -82,7 +82,7 @@ impl Desk {
 }
 
 /// A bout of coming to rest ends as soon as something else was painted.
-impl Observer for Desk {
+impl Observer for Shared {
     fn step(&self, _: &Step) {}
 
     fn cancelled(&self) -> bool {
@@ -92,34 +92,34 @@ impl Observer for Desk {
 
 /// The window's end.
 pub struct Fold {
-    desk: Arc<Desk>,
+    shared: Arc<Shared>,
     works: bool,
-    wake: Arc<dyn Fn() + Send + Sync>,
+    request_repaint: Arc<dyn Fn() + Send + Sync>,
 }
 
 impl Fold {
-    /// Goes on from `document`, and from what it has `grown` to if something has; `wake` is called
+    /// Goes on from `document`, and from what it has `grown` to if something has; `request_repaint` is called
     /// when there is news. If that cannot be, this is the news.
     pub fn start(
         document: Document,
         grown: Option<Arc<Grown>>,
-        wake: Arc<dyn Fn() + Send + Sync>,
+        request_repaint: Arc<dyn Fn() + Send + Sync>,
     ) -> Self {
-        let desk = Desk {
+        let shared = Shared {
             document: Mutex::new(Some((document, grown))),
             follower: Mutex::default(),
             wanted: Mutex::default(),
             is_over: AtomicBool::new(false),
             out: Mutex::default(),
         };
-        let mut fold = Self { desk: Arc::new(desk), works: false, wake };
+        let mut fold = Self { shared: Arc::new(shared), works: false, request_repaint };
         fold.work();
         fold
     }
 
     /// Asks for these layers to be followed; what was asked for before and not begun is forgotten.
-    pub fn want(&mut self, wanted: Wanted) {
-        if let Ok(mut there) = self.desk.wanted.lock() {
+    pub fn request(&mut self, wanted: FoldRequest) {
+        if let Ok(mut there) = self.shared.wanted.lock() {
             *there = Some(wanted);
         }
         self.work();
@@ -127,9 +127,9 @@ impl Fold {
 
     /// What came of it, if there is something new; and goes on.
     pub fn take(&mut self) -> Option<Result<Folded>> {
-        let folded = self.desk.out.lock().ok()?.take()?;
+        let folded = self.shared.out.lock().ok()?.take()?;
         self.works = false;
-        if self.desk.waits() || folded.as_ref().is_ok_and(|folded| !folded.at_rest) {
+        if self.shared.waits() || folded.as_ref().is_ok_and(|folded| !folded.at_rest) {
             self.work();
         }
         Some(folded)
@@ -144,26 +144,27 @@ impl Fold {
         if std::mem::replace(&mut self.works, true) {
             return;
         }
-        let (desk, wake) = (Arc::clone(&self.desk), Arc::clone(&self.wake));
+        let (shared, request_repaint) =
+            (Arc::clone(&self.shared), Arc::clone(&self.request_repaint));
         spawn("fold", move || {
-            let folded = catch_unwind(AssertUnwindSafe(|| apart(|| desk.work())));
+            let folded = catch_unwind(AssertUnwindSafe(|| apart(|| shared.work())));
             let broken = |_| {
                 Err(plisse::Error::value(
                     "fold under the brush",
                     "the program made a mistake; save your work and report what you did",
                 ))
             };
-            if let Ok(mut out) = desk.out.lock() {
+            if let Ok(mut out) = shared.out.lock() {
                 *out = Some(folded.unwrap_or_else(broken));
             }
-            wake();
+            request_repaint();
         });
     }
 }
 
 impl Drop for Fold {
     fn drop(&mut self) {
-        self.desk.is_over.store(true, Ordering::SeqCst);
+        self.shared.is_over.store(true, Ordering::SeqCst);
     }
 }
 
@@ -238,7 +239,11 @@ impl Follower {
     ///
     /// # Errors
     /// As [`Sculpture::paint`] and [`Sculpture::settle`]; the surface then is as it was.
-    pub fn follow(&mut self, wanted: Option<Wanted>, observer: &dyn Observer) -> Result<Folded> {
+    pub fn follow(
+        &mut self,
+        wanted: Option<FoldRequest>,
+        observer: &dyn Observer,
+    ) -> Result<Folded> {
         let begun = Instant::now();
         let mut step = None;
         if let Some(wanted) = wanted {
@@ -277,7 +282,7 @@ impl Follower {
     }
 
     /// Grows what differs, in steps.
-    fn paint(&mut self, wanted: &Wanted) -> Result<Option<StepReport>> {
+    fn paint(&mut self, wanted: &FoldRequest) -> Result<Option<StepReport>> {
         let to = |v: usize| Numbers::of(&wanted.layers, v);
         let differing: Vec<usize> =
             (0..self.numbers.len()).filter(|&v| self.numbers[v] != to(v)).collect();

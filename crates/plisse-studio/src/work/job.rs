@@ -1,5 +1,5 @@
-//! A job in the background: it tells how far it is, can be stopped, and hands over what it makes as
-//! it makes it.
+//! A job in the background: it reports its progress, can be stopped, and hands over parts of its
+//! result on the way.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -7,31 +7,40 @@ use std::sync::{Arc, Mutex};
 
 use plisse::progress::{Observer, Step};
 
-use super::thread::{apart, spawn};
+use crate::threads::{apart, spawn};
 
-/// What a job has told about itself.
+/// Progress of a job.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
-    /// What it does now.
+    /// Name of the current stage.
     pub stage: String,
-    /// Share that is done, 0 to 1, where it can be told.
+    /// Share that is done, 0 to 1, if it is known.
     pub share: Option<f32>,
-    /// Steps so far: stage, energy (J), residual over its tolerance.
-    pub steps: Vec<(&'static str, f64, f64)>,
+    /// The steps so far.
+    pub steps: Vec<SolverStep>,
 }
 
-/// What a job sends.
+/// One step of a solver.
+#[derive(Clone, Copy, Debug)]
+pub struct SolverStep {
+    /// Name of the stage.
+    pub stage: &'static str,
+    /// Energy (J).
+    pub energy_joule: f64,
+    /// Residual over its tolerance; 1 or less is converged.
+    pub residual: f64,
+}
+
+/// A message from a job.
 pub enum News<T> {
-    /// Something to show on the way.
+    /// A part of the result, to show on the way.
     Part(T),
-    /// It is done: the last thing, or why there is none.
+    /// The end: the result, or an error.
     Done(Result<T, String>),
 }
 
 /// The window's end of a job.
 pub struct Job<T> {
-    /// What it is, for people.
-    pub title: String,
     progress: Arc<Mutex<Progress>>,
     stop: Arc<AtomicBool>,
     news: Receiver<News<T>>,
@@ -42,14 +51,14 @@ pub struct Reporter<T> {
     progress: Arc<Mutex<Progress>>,
     stop: Arc<AtomicBool>,
     send: Mutex<Sender<News<T>>>,
-    wake: Box<dyn Fn() + Send + Sync>,
+    request_repaint: Box<dyn Fn() + Send + Sync>,
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts `work` in the background. `wake` is called when there is news.
+    /// Starts `work` in the background. `request_repaint` is called when there are news.
     pub fn start(
-        title: &str,
-        wake: impl Fn() + Send + Sync + 'static,
+        name: &'static str,
+        request_repaint: impl Fn() + Send + Sync + 'static,
         work: impl FnOnce(&Reporter<T>) -> plisse::Result<T> + Send + 'static,
     ) -> Self {
         let (send, news) = channel();
@@ -59,9 +68,9 @@ impl<T: Send + 'static> Job<T> {
             progress: Arc::clone(&progress),
             stop: Arc::clone(&stop),
             send: Mutex::new(send),
-            wake: Box::new(wake),
+            request_repaint: Box::new(request_repaint),
         };
-        spawn("job", move || {
+        spawn(name, move || {
             let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
                 apart(|| work(&reporter))
             }));
@@ -75,10 +84,10 @@ impl<T: Send + 'static> Job<T> {
             };
             reporter.send(News::Done(done));
         });
-        Self { title: title.to_owned(), progress, stop, news }
+        Self { progress, stop, news }
     }
 
-    /// Everything that came since the last call.
+    /// The messages that came since the last call.
     pub fn take(&self) -> Vec<News<T>> {
         self.news.try_iter().collect()
     }
@@ -88,12 +97,12 @@ impl<T: Send + 'static> Job<T> {
         self.stop.store(true, Ordering::SeqCst);
     }
 
-    /// Whether it was asked to stop.
+    /// True if it was asked to stop.
     pub fn is_cancelled(&self) -> bool {
         self.stop.load(Ordering::SeqCst)
     }
 
-    /// How far it is.
+    /// Its progress.
     pub fn progress(&self) -> Progress {
         self.progress.lock().map(|p| p.clone()).unwrap_or_default()
     }
@@ -106,18 +115,18 @@ impl<T> Drop for Job<T> {
 }
 
 impl<T> Reporter<T> {
-    /// Hands over something to show on the way.
+    /// Hands over a part of the result, to show on the way.
     pub fn part(&self, part: T) {
         self.send(News::Part(part));
     }
 
-    /// Says what is done now, and which share of the whole that begins at.
+    /// Reports the current stage, and the share of the whole that it begins at.
     pub fn stage(&self, stage: &str, share: Option<f32>) {
         if let Ok(mut progress) = self.progress.lock() {
             progress.stage = stage.to_owned();
             progress.share = share;
         }
-        (self.wake)();
+        (self.request_repaint)();
     }
 
     fn send(&self, news: News<T>) {
@@ -125,20 +134,20 @@ impl<T> Reporter<T> {
             // Nobody may be there to hear it: the window was closed.
             let _ = send.send(news);
         }
-        (self.wake)();
+        (self.request_repaint)();
     }
 }
 
 impl<T: Send> Observer for Reporter<T> {
     fn step(&self, step: &Step) {
         if let Ok(mut progress) = self.progress.lock() {
-            progress.steps.push((
-                step.stage,
-                step.energy_joule,
-                step.residual / step.tolerance.max(f64::MIN_POSITIVE),
-            ));
+            progress.steps.push(SolverStep {
+                stage: step.stage,
+                energy_joule: step.energy_joule,
+                residual: step.residual / step.tolerance.max(f64::MIN_POSITIVE),
+            });
         }
-        (self.wake)();
+        (self.request_repaint)();
     }
 
     fn cancelled(&self) -> bool {

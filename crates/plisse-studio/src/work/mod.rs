@@ -8,4 +8,3 @@ pub mod grow;
 pub mod job;
 pub mod scene_files;
 pub mod solve;
-pub mod thread;

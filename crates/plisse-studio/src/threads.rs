@@ -1,7 +1,6 @@
-//! Threads, where there are any. In a web page there are none: work is done in the page, which
-//! stands still meanwhile.
+//! Threads. A web page has none: there, work is done in the page, which stands still meanwhile.
 
-/// Runs `work` on a thread called `name`; here and now if none can be had.
+/// Runs `work` on a thread called `name`; in the caller's thread if none can be started.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     let work = std::sync::Arc::new(std::sync::Mutex::new(Some(work)));
@@ -21,8 +20,8 @@ pub fn spawn(name: &str, work: impl FnOnce() + Send + 'static) {
     }
 }
 
-/// Runs `work` on threads of its own: pictures are drawn on those that all share, and every small
-/// step would wait for one of theirs.
+/// Runs `work` on a thread pool of the jobs: in the shared pool, which draws pictures, every small
+/// step of a solver would wait.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn apart<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     static POOL: std::sync::OnceLock<Option<rayon::ThreadPool>> = std::sync::OnceLock::new();
@@ -40,8 +39,8 @@ pub fn apart<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// Runs `work` in the page, once it has shown that it will.
+/// Runs `work` in the page, after the next frames.
 #[cfg(target_arch = "wasm32")]
 pub fn spawn(_name: &str, work: impl FnOnce() + 'static) {
-    crate::page::later(work);
+    crate::page::bindings::later(work);
 }

@@ -8,11 +8,13 @@ use plisse::picture::Image;
 use plisse::{Error, Result};
 use plisse_live::Vec2;
 
+use crate::automation::script::Step;
 use crate::commands::Command;
 use crate::document::{Action, Falloff, Heading, Layer, Mirror};
-use crate::script::Step;
-use crate::studio::{Looking, Studio, Tab};
+use crate::shell::Tab;
+use crate::studio::Studio;
 use crate::view::View;
+use crate::viewport::ShownSurface;
 use crate::work::export::Kind;
 
 /// Frames that must go by with nothing on its way for the program to count as settled.
@@ -68,12 +70,13 @@ impl Driver {
             }
             return Ok(());
         }
-        if studio.reading.is_busy() {
+        if studio.jobs.reading.is_busy() {
             return Ok(());
         }
         let Some(step) = self.steps.get(self.at).cloned() else { return Ok(()) };
         if step.word == "settle" {
-            self.calm = if studio.is_idle() && studio.sheet.is_some() { self.calm + 1 } else { 0 };
+            self.calm =
+                if studio.is_idle() && studio.viewport.frame.is_some() { self.calm + 1 } else { 0 };
             if self.calm < CALM {
                 return Ok(());
             }
@@ -104,15 +107,15 @@ impl Driver {
             },
             "tab" => {
                 let name = step.rest.join(" ");
-                studio.tab = Tab::ALL
+                studio.shell.tab = Tab::ALL
                     .into_iter()
                     .find(|t| t.name().eq_ignore_ascii_case(&name))
                     .ok_or_else(|| unknown("such tab"))?;
             }
             "view" => {
                 let name = step.text(0)?;
-                studio.view = match name {
-                    "painted" => View::Painted(studio.brush.layer),
+                studio.viewport.view = match name {
+                    "painted" => View::Painted(studio.tools.brush.layer),
                     name => View::MAIN
                         .into_iter()
                         .find(|v| v.word() == name)
@@ -120,25 +123,30 @@ impl Driver {
                 };
             }
             "show" => {
-                studio.looking = match step.text(0)? {
-                    "model" => Looking::Live,
-                    "solved" => Looking::Solved,
-                    "grown" => Looking::Grown,
+                studio.viewport.shown = match step.text(0)? {
+                    "model" => ShownSurface::Live,
+                    "solved" => ShownSurface::Solved,
+                    "grown" => ShownSurface::Grown,
                     _ => return Err(unknown("such surface")),
                 }
             }
-            "time" => (studio.document.settings.time_s, studio.playing) = (step.number(0)?, false),
+            "time" => {
+                (studio.session.document.settings.time_s, studio.viewport.playing) =
+                    (step.number(0)?, false)
+            }
             "clip" => {
-                studio.document.settings.clip = Some(step.rest.join(" ")).filter(|c| c != "none")
+                studio.session.document.settings.clip =
+                    Some(step.rest.join(" ")).filter(|c| c != "none")
             }
-            "wavelength" => studio.document.settings.wavelength_m = step.number(0)?,
-            "play" => studio.playing = true,
-            "hold" => studio.playing = false,
-            "orbit" => {
-                studio.table.orbit(step.number(0)?.to_radians(), step.number(1)?.to_radians())
-            }
-            "zoom" => studio.table.zoom(step.number(0)?),
-            "fit" => studio.fit(),
+            "wavelength" => studio.session.document.settings.wavelength_m = step.number(0)?,
+            "play" => studio.viewport.playing = true,
+            "hold" => studio.viewport.playing = false,
+            "orbit" => studio
+                .viewport
+                .orbit
+                .orbit(step.number(0)?.to_radians(), step.number(1)?.to_radians()),
+            "zoom" => studio.viewport.orbit.zoom(step.number(0)?),
+            "fit" => studio.run(Command::Frame),
             "brush" => brush(step, studio)?,
             "stroke" => {
                 let numbers =
@@ -147,11 +155,14 @@ impl Driver {
             }
             "undo" => studio.run(Command::Undo),
             "redo" => studio.run(Command::Redo),
-            "solve" => studio.solve_or_stop(),
-            "grow" => studio.grow_or_stop(),
+            "solve" => studio.run(Command::Solve),
+            "grow" => studio.run(Command::Grow),
             "fold" => studio.fold_under_brush(step.text(0)? == "on"),
-            "spacing" => studio.document.settings.fold_spacing_m = f64::from(step.number(0)?),
-            "take" => {
+            "spacing" => {
+                studio.session.document.settings.fold_spacing_m = f64::from(step.number(0)?)
+            }
+            // `take` is the older name.
+            "export" | "take" => {
                 let kind = match step.text(0)? {
                     "surface" => Kind::Surface,
                     "maps" => Kind::Maps,
@@ -160,11 +171,11 @@ impl Driver {
                     "scene" => Kind::SceneFiles,
                     _ => return Err(unknown("such kind of file")),
                 };
-                studio.take(kind, PathBuf::from(step.text(1)?));
+                studio.export_files(kind, Path::new(step.text(1)?));
             }
             "save" => studio.save(Path::new(step.text(0)?)),
             "wait" => self.waits_s = now_s + f64::from(step.number(0)?),
-            "lose-gpu" => studio.lose_device(),
+            "lose-gpu" => studio.viewport.lose_device(),
             "screenshot" => {
                 let image = Arc::new(Mutex::new(None));
                 let theirs = Arc::clone(&image);
@@ -176,7 +187,7 @@ impl Driver {
                 ctx.send_viewport_cmd(ViewportCommand::Screenshot(taken));
                 self.shot = Some((PathBuf::from(step.text(0)?), image));
             }
-            "quit" => studio.quits = true,
+            "quit" => studio.shell.quits = true,
             _ => return Err(unknown(&format!("command \"{}\"", step.word))),
         }
         Ok(())
@@ -203,11 +214,11 @@ fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
             };
             studio.choose_layer(layer);
         }
-        "radius" => studio.brush.radius_m = step.number(1)?,
-        "strength" => studio.brush.strength = step.number(1)?,
-        "value" => studio.brush.value = step.number(1)?,
+        "radius" => studio.tools.brush.radius_m = step.number(1)?,
+        "strength" => studio.tools.brush.strength = step.number(1)?,
+        "value" => studio.tools.brush.value = step.number(1)?,
         "heading" => {
-            studio.brush.heading = match value {
+            studio.tools.brush.heading = match value {
                 "along" => Heading::AlongStroke,
                 "across" => Heading::AcrossStroke,
                 "screen" => Heading::Screen,
@@ -216,7 +227,7 @@ fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
             }
         }
         "mirror" => {
-            studio.brush.mirror = match value {
+            studio.tools.brush.mirror = match value {
                 "off" => Mirror::Off,
                 "x" => Mirror::X,
                 "y" => Mirror::Y,
@@ -225,7 +236,7 @@ fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
             }
         }
         "falloff" => {
-            studio.brush.falloff = match value {
+            studio.tools.brush.falloff = match value {
                 "smooth" => Falloff::Smooth,
                 "linear" => Falloff::Linear,
                 "hard" => Falloff::Hard,
@@ -233,7 +244,7 @@ fn brush(step: &Step, studio: &mut Studio) -> Result<()> {
             }
         }
         "action" => {
-            studio.brush.action = if value == "erase" { Action::Erase } else { Action::Paint }
+            studio.tools.brush.action = if value == "erase" { Action::Erase } else { Action::Paint }
         }
         _ => return Err(unknown()),
     }

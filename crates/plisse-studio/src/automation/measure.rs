@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use plisse::{Error, Result};
 use plisse_live::models;
 
+use crate::commands::Command;
 use crate::document::{Document, Source, Subject};
 use crate::studio::{Start, Studio};
 use crate::view::{Graphics, View};
@@ -48,14 +49,17 @@ pub struct Strokes {
 /// # Errors
 /// [`Error::Numeric`] if no picture comes.
 pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Strokes, String)> {
-    let mut studio =
-        Studio::new(Start { graphics: Graphics::own(gpu), keep: None, wake: Arc::new(|| {}) })?;
+    let mut studio = Studio::new(Start {
+        graphics: Graphics::own(gpu),
+        autosave_folder: None,
+        request_repaint: Arc::new(|| {}),
+    })?;
     let sheet = Subject::new(Source::Own("sheet".into()), models::sheet(SIDE, SIDE));
     studio.show(Document::new(sheet), None);
-    studio.document.settings.time_s = 0.5;
-    studio.document.settings.wavelength_m = 0.02;
-    studio.playing = false;
-    studio.fit();
+    studio.session.document.settings.time_s = 0.5;
+    studio.session.document.settings.wavelength_m = 0.02;
+    studio.viewport.playing = false;
+    studio.run(Command::Frame);
     let ctx = egui::Context::default();
     let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(1280.0, 800.0));
     let mut now_s = 0.0;
@@ -75,13 +79,13 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
     frame(&mut studio);
     let mut rows = Vec::new();
     for &view in views {
-        studio.view = view;
+        studio.viewport.view = view;
         let (mut longest_ms, mut stages_ms, mut render_ms) = (0f32, Vec::new(), Vec::new());
         for _ in 0..pictures {
-            studio.table.orbit(0.02, 0.0);
-            studio.sheet = None;
+            studio.viewport.orbit.orbit(0.02, 0.0);
+            studio.viewport.frame = None;
             let begun = Instant::now();
-            while studio.sheet.is_none() {
+            while studio.viewport.frame.is_none() {
                 longest_ms = longest_ms.max(frame(&mut studio));
                 if begun.elapsed() > Duration::from_secs(120) {
                     return Err(Error::numeric(
@@ -91,9 +95,9 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
                 }
                 std::thread::sleep(Duration::from_millis(5));
             }
-            if let Some(sheet) = &studio.sheet {
-                stages_ms.push(sheet.stage_ms[..4].iter().sum::<f32>());
-                render_ms.push(sheet.stage_ms[4]);
+            if let Some(frame) = &studio.viewport.frame {
+                stages_ms.push(frame.stage_ms[..4].iter().sum::<f32>());
+                render_ms.push(frame.stage_ms[4]);
             }
         }
         // Until nothing is on its way.
@@ -112,23 +116,23 @@ pub fn rows(gpu: bool, views: &[View], pictures: usize) -> Result<(Vec<Row>, Str
         });
     }
     // A quick stroke across the whole sheet, once there and once mirrored.
-    studio.tab = crate::studio::Tab::Paint;
+    studio.shell.tab = crate::shell::Tab::Paint;
     let mut stroke_ms = 0f32;
     for mirror in [crate::document::Mirror::Off, crate::document::Mirror::Y] {
-        studio.brush.mirror = mirror;
+        studio.tools.brush.mirror = mirror;
         for k in 0..=10 {
             let begun = Instant::now();
             studio.stroke(plisse_live::Vec2::new(0.3 + 0.04 * k as f32, 0.4 + 0.01 * k as f32));
             stroke_ms = stroke_ms.max(begun.elapsed().as_secs_f32() * 1e3 + frame(&mut studio));
         }
         studio.release_stroke();
-        while studio.trail.is_some() {
+        while studio.tools.trail.is_some() {
             stroke_ms = stroke_ms.max(frame(&mut studio));
         }
     }
-    let painted = studio.document.history.done().iter().map(|c| c.vertices.len()).sum();
+    let painted = studio.session.document.history.done().iter().map(|c| c.vertices.len()).sum();
     let stroke = Strokes { longest_ms: stroke_ms, vertices: painted };
-    let device = studio.sheet.as_ref().map_or_else(String::new, |s| s.device.clone());
+    let device = studio.viewport.frame.as_ref().map_or_else(String::new, |s| s.device.clone());
     Ok((rows, stroke, device))
 }
 

@@ -15,7 +15,7 @@ fn half_height(camera: &Camera) -> f32 {
 
 /// A turntable.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turntable {
+pub struct OrbitCamera {
     /// The point it looks at (m).
     pub target: Vec3,
     /// Angle to the right of +z (rad).
@@ -28,7 +28,7 @@ pub struct Turntable {
     pub radius_m: f32,
 }
 
-impl Turntable {
+impl OrbitCamera {
     /// Holds all of `positions` in a picture of this width over height.
     pub fn fit(positions: &[Vec3], yaw_rad: f32, pitch_rad: f32, aspect: f32) -> Self {
         let camera = Camera::fit(positions.iter(), yaw_rad, pitch_rad, aspect);
@@ -100,33 +100,33 @@ mod tests {
         let points: Vec<Vec3> = (0..27)
             .map(|i| Vec3::new((i % 3) as f32, (i / 3 % 3) as f32, (i / 9) as f32))
             .collect();
-        let mut table = Turntable::fit(&points, 0.5, 0.3, 1.4);
-        let inside = |table: &Turntable| {
+        let mut orbit = OrbitCamera::fit(&points, 0.5, 0.3, 1.4);
+        let inside = |orbit: &OrbitCamera| {
             points
                 .iter()
-                .map(|p| seen(&table.camera(1.4), p))
+                .map(|p| seen(&orbit.camera(1.4), p))
                 .all(|c| c.x.abs() < 1.2 && c.y.abs() < 1.2 && (0.0..1.0).contains(&c.z))
         };
-        assert!(inside(&table));
+        assert!(inside(&orbit));
         for _ in 0..7 {
-            table.orbit(0.9, 0.11);
-            assert!(inside(&table));
+            orbit.orbit(0.9, 0.11);
+            assert!(inside(&orbit));
         }
     }
 
     #[test]
     fn panning_by_a_half_moves_the_middle_to_the_rim() {
         let points = [Vec3::zeros(), Vec3::repeat(1.0)];
-        let mut table = Turntable::fit(&points, 0.7, 0.2, 1.0);
-        let middle = table.target;
-        table.pan(0.5, 0.0);
-        let at = seen(&table.camera(1.0), &middle);
+        let mut orbit = OrbitCamera::fit(&points, 0.7, 0.2, 1.0);
+        let middle = orbit.target;
+        orbit.pan(0.5, 0.0);
+        let at = seen(&orbit.camera(1.0), &middle);
         assert!((at.x - 1.0).abs() < 1e-3 && at.y.abs() < 1e-3, "{at}");
-        table.pan(-0.5, 0.25);
-        let at = seen(&table.camera(1.0), &middle);
+        orbit.pan(-0.5, 0.25);
+        let at = seen(&orbit.camera(1.0), &middle);
         assert!(at.x.abs() < 1e-3 && (at.y + 0.5).abs() < 1e-3, "{at}");
-        let before = table.distance_m;
-        table.zoom(2.0);
-        assert!((table.distance_m - 0.5 * before).abs() < 1e-5);
+        let before = orbit.distance_m;
+        orbit.zoom(2.0);
+        assert!((orbit.distance_m - 0.5 * before).abs() < 1e-5);
     }
 }
