@@ -8,7 +8,6 @@ use std::time::Instant;
 
 use plisse::field::curvature::vertex_normals;
 use plisse::growth::adapt::{AdaptReport, MeshStage};
-use plisse::growth::measure::offsets_m;
 use plisse::growth::reference::{LevelReport, grow_by_forces_each};
 use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
 use plisse::io::aside::OutputFolder;
@@ -17,6 +16,7 @@ use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
+use plisse::relief::offsets_m;
 use plisse::rest::RestMetric;
 use plisse::scene::growth::Mode;
 use plisse::scene::{self, BuiltGrowth};

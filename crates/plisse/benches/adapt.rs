@@ -5,10 +5,10 @@
 
 use std::path::Path;
 
-use plisse::growth::remesh::Curving;
 use plisse::growth::{AdaptOptions, grow_adapting};
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::progress::Silent;
+use plisse::remesh::MidpointPlacement;
 use plisse::scene;
 
 /// Edges to a wavelength: while it grows, and at the end.
@@ -26,8 +26,8 @@ fn scrunchy_with_rigid_bands(bencher: divan::Bencher) {
     let grown = scene::build_growth(&scene::read(&file).unwrap()).unwrap();
     let growing = grown.growing();
     let mut adapt = AdaptOptions::new(growing.maps.wavelength_m[0] / EDGES[0]);
-    (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.curving) =
-        (EDGES[0], EDGES[1], Curving::Start);
+    (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.midpoints) =
+        (EDGES[0], EDGES[1], MidpointPlacement::Start);
     adapt.finish_iterations = FINISH;
     bencher.bench_local(|| {
         let (surface, report) = grow_adapting(

@@ -7,7 +7,7 @@
 #[path = "../tests/sheets/mod.rs"]
 mod sheets;
 
-use plisse::growth::sculpt::{Dab, Paint, SculptOptions, Sculpture, Spot};
+use plisse::growth::sculpt::{Dab, Paint, SculptOptions, Sculpture, SurfacePoint};
 use plisse::growth::{Expansion, Growing, GrowthOptions};
 use plisse::mesh::Vec3;
 
@@ -41,7 +41,7 @@ fn begun(vertices: usize, brush: SculptOptions) -> (Sculpture, Dab) {
             (0..sheet.pose.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
         let paint = Paint::Growth { factor: 1.05, direction: Some(Vec3::x()) };
         Dab {
-            spot: Spot::vertex(&sheet.topology, nearest).unwrap(),
+            spot: SurfacePoint::vertex(&sheet.topology, nearest).unwrap(),
             radius_m: wavelength_m,
             core: 0.3,
             paint,

@@ -6,13 +6,13 @@
 
 use std::error::Error;
 
-use plisse::growth::measure::{Relief, Window, offsets_m, reached};
 use plisse::growth::reference::{ReferenceOptions, grow_by_forces};
 use plisse::growth::{Expansion, Growing, GrowthOptions, grow};
 use plisse::mesh::grid::{Diagonal, grid};
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::picture::{Axis, Camera, Paint, PanelView, Subject, draw, write_png};
 use plisse::progress::Silent;
+use plisse::relief::{Relief, Window, offsets_m, reached};
 use plisse::rest::RestMetric;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -70,14 +70,8 @@ impl Square {
                 .iter()
                 .all(|&v| (self.start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset)
         };
-        let got = reached(
-            &self.topology,
-            &self.start,
-            asked,
-            pose,
-            &vec![Vec3::x(); self.topology.face_count()],
-            inner,
-        );
+        let got =
+            realised_growth(&self.topology, &self.start, asked, pose, |f| inner(f).then(Vec3::x));
         let crests = relief.crests_within(10_f64.to_radians(), 0.5 / folds);
         let (count, width) = relief.folds().map_or((0.0, 0.0), |f| (1.0 / f.wavelength_m, f.width));
         let run = relief.correlation_m().unwrap_or(0.0) * folds;

@@ -3,12 +3,12 @@
 
 mod sheets;
 
-use plisse::growth::measure::{Relief, Window, offsets_m, reached};
 use plisse::growth::{
     AdaptOptions, Expansion, Growing, GrowthOptions, Surface, grow, grow_adapting,
 };
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
+use plisse::relief::{Relief, Window, offsets_m, reached};
 use plisse::rest::RestMetric;
 use sheets::Sheet;
 
@@ -56,7 +56,7 @@ fn folds(topology: &Topology, start: &[Vec3], pose: &[Vec3], asked: &RestMetric)
             .iter()
             .all(|&v| (0.1..0.9).contains(&start[v].x) && (0.06..0.2).contains(&start[v].y))
     };
-    let got = reached(topology, start, asked, pose, &vec![Vec3::x(); topology.face_count()], inner);
+    let got = realised_growth(topology, start, asked, pose, |f| inner(f).then(Vec3::x));
     (1.0 / relief.folds().unwrap().wavelength_m, got.length)
 }
 
@@ -177,61 +177,62 @@ fn any_number_of_threads_gives_the_same_bytes() {
 
 #[test]
 fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
-    use plisse::growth::remesh::{Curving, RemeshOptions, Sheet as Carried, remesh};
+    use plisse::remesh::{MidpointPlacement, RemeshOptions, Sheet as Carried, remesh};
     // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are
     // beside them.
     let wave = |p: &Vec3| 0.02 * (std::f64::consts::TAU * p.x / 0.2).sin();
     let flat = Sheet::lattice(1.0, 0.3, 40, 10);
     let ring = Sheet::torus(0.5, 0.1, 0.04);
-    let beside =
-        |sheet: &Sheet, pose: Vec<Vec3>, curving: Curving, away: &dyn Fn(&Vec3, &Vec3) -> f64| {
-            let n = pose.len();
-            let carried = Carried {
-                faces: sheet.topology.faces.clone(),
-                rest: sheet.rest.faces.clone(),
-                positions: pose,
-                start: sheet.pose.clone(),
-                channels: vec![vec![0.1; n]],
-                frozen: vec![[false; 3]; n],
-                uvs: None,
-            };
-            let options =
-                RemeshOptions { growth_channel: None, curving, ..RemeshOptions::new(1.0) };
-            let all = vec![true; carried.faces.len()];
-            let fine = remesh(carried, &all, &options).unwrap().sheet;
-            assert!(fine.positions.len() > 2 * n);
-            let inner = |p: &Vec3| {
-                (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y)
-                    || sheet.held.len() == ring.held.len()
-            };
-            let each = (n..fine.positions.len())
-                .filter(|&v| inner(&fine.start[v]))
-                .map(|v| away(&fine.positions[v], &fine.start[v]).abs());
-            each.fold(0.0, f64::max)
+    let beside = |sheet: &Sheet,
+                  pose: Vec<Vec3>,
+                  midpoints: MidpointPlacement,
+                  away: &dyn Fn(&Vec3, &Vec3) -> f64| {
+        let n = pose.len();
+        let carried = Carried {
+            faces: sheet.topology.faces.clone(),
+            rest: sheet.rest.faces.clone(),
+            positions: pose,
+            start: sheet.pose.clone(),
+            channels: vec![vec![0.1; n]],
+            frozen: vec![[false; 3]; n],
+            uvs: None,
         };
-    let waves = |curving| {
+        let options = RemeshOptions { growth_channel: None, midpoints, ..RemeshOptions::new(1.0) };
+        let all = vec![true; carried.faces.len()];
+        let fine = remesh(carried, &all, &options).unwrap().sheet;
+        assert!(fine.positions.len() > 2 * n);
+        let inner = |p: &Vec3| {
+            (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y)
+                || sheet.held.len() == ring.held.len()
+        };
+        let each = (n..fine.positions.len())
+            .filter(|&v| inner(&fine.start[v]))
+            .map(|v| away(&fine.positions[v], &fine.start[v]).abs());
+        each.fold(0.0, f64::max)
+    };
+    let waves = |midpoints| {
         let pose = flat.pose.iter().map(|p| Vec3::new(p.x, p.y, wave(p))).collect();
-        beside(&flat, pose, curving, &|p, start| {
+        beside(&flat, pose, midpoints, &|p, start| {
             if start.z == 0.0 { p.z - wave(p) } else { f64::INFINITY }
         })
     };
     assert!(
-        waves(Curving::Folds) < 0.5 * waves(Curving::Flat),
+        waves(MidpointPlacement::Folds) < 0.5 * waves(MidpointPlacement::Flat),
         "{} {}",
-        waves(Curving::Folds),
-        waves(Curving::Flat)
+        waves(MidpointPlacement::Folds),
+        waves(MidpointPlacement::Flat)
     );
     let tube = |p: &Vec3| (p.xy().norm() - 0.5).hypot(p.z) - 0.1;
-    let rings = |curving| {
-        beside(&ring, ring.pose.clone(), curving, &|p, start| {
+    let rings = |midpoints| {
+        beside(&ring, ring.pose.clone(), midpoints, &|p, start| {
             if p == start { tube(p) } else { f64::INFINITY }
         })
     };
     assert!(
-        rings(Curving::Start) < 0.5 * rings(Curving::Folds),
+        rings(MidpointPlacement::Start) < 0.5 * rings(MidpointPlacement::Folds),
         "{} {}",
-        rings(Curving::Start),
-        rings(Curving::Folds)
+        rings(MidpointPlacement::Start),
+        rings(MidpointPlacement::Folds)
     );
-    assert_eq!(rings(Curving::Folds), rings(Curving::Flat));
+    assert_eq!(rings(MidpointPlacement::Folds), rings(MidpointPlacement::Flat));
 }

@@ -7,14 +7,14 @@
 
 mod sheets;
 
-use plisse::growth::equilibrium::grow_through;
-use plisse::growth::measure::{Reached, Relief, Window, offsets_m, reached};
-use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, Procedure, grow};
+use plisse::growth::load_stepping::grow_through;
+use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, ProceduralMap, grow};
 use plisse::linalg::Ending;
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::mesh::{Vec2, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::progress::Silent;
+use plisse::relief::{RealisedGrowth, Relief, Window, offsets_m, reached};
 use plisse::shell::Loads;
 
 use sheets::Sheet;
@@ -35,7 +35,7 @@ struct Folded {
     pose: Vec<Vec3>,
     report: GrowthReport,
     relief: Relief,
-    reached: Reached,
+    reached: RealisedGrowth,
 }
 
 impl Folded {
@@ -97,14 +97,8 @@ impl Square {
                 .iter()
                 .all(|&v| (start[v] - Vec3::new(0.5, 0.5, 0.0)).amax() < 0.5 - inset)
         };
-        let reached = reached(
-            topology,
-            start,
-            &report.asked,
-            &pose,
-            &vec![Vec3::x(); topology.face_count()],
-            inner,
-        );
+        let reached =
+            realised_growth(topology, start, &report.asked, &pose, |f| inner(f).then(Vec3::x));
         Folded { pose, report, relief, reached }
     }
 
@@ -384,7 +378,7 @@ fn plasticity_forgets_stress() {
 fn folds_stay_where_a_narrow_band_grows() {
     let square = small();
     let n = square.sheet.pose.len();
-    let band = Procedure::Band {
+    let band = ProceduralMap::Band {
         centre: Vec3::new(0.5, 0.5, 0.0),
         normal: Vec3::x(),
         width_m: 0.5,
@@ -431,7 +425,7 @@ fn what_nothing_holds_finds_one_dome() {
     // without any stress left.
     let sheet = lattice(18, 18);
     let spots =
-        Procedure::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
+        ProceduralMap::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
     let factors = spots.map(&sheet.pose, 1.0, 1.2);
     let expansion = Expansion::from_factors(&sheet.topology, &sheet.pose, &factors).unwrap();
     let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, 0.3, 0.0);
@@ -448,14 +442,8 @@ fn what_nothing_holds_finds_one_dome() {
     let (free, report) = grow(&growing, &options, &Silent).unwrap();
     let last = report.steps.last().unwrap();
     assert!(last.ending == Ending::Converged && last.residual <= options.tolerance, "{last:?}");
-    let all = reached(
-        &sheet.topology,
-        &sheet.pose,
-        &report.asked,
-        &free,
-        &vec![Vec3::x(); sheet.topology.face_count()],
-        |_| true,
-    );
+    let all =
+        realised_growth(&sheet.topology, &sheet.pose, &report.asked, &free, |_| Some(Vec3::x()));
     assert!((all.area - 1.0).abs() < 0.01, "{all:?}");
     assert!(height(&free) > 1.5 * height(&held), "{} {}", height(&free), height(&held));
 }

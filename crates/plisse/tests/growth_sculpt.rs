@@ -3,8 +3,8 @@
 
 mod sheets;
 
-use plisse::growth::equilibrium::grow_through;
-use plisse::growth::sculpt::{Change, Dab, Paint, Painted, SculptOptions, Sculpture, Spot};
+use plisse::growth::load_stepping::grow_through;
+use plisse::growth::sculpt::{Change, Dab, Paint, Painted, SculptOptions, Sculpture, SurfacePoint};
 use plisse::growth::{Expansion, Growing, GrowthOptions};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
@@ -53,12 +53,12 @@ fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
     (sheet, sculpture)
 }
 
-fn at(sculpture: &Sculpture, x: f64, y: f64) -> Spot {
+fn at(sculpture: &Sculpture, x: f64, y: f64) -> SurfacePoint {
     let place = Vec3::new(x, y, 0.0);
     let distance = |v: usize| (sculpture.start()[v] - place).norm();
     let nearest =
         (0..sculpture.start().len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b))).unwrap();
-    Spot::vertex(sculpture.topology(), nearest).unwrap()
+    SurfacePoint::vertex(sculpture.topology(), nearest).unwrap()
 }
 
 fn dab(sculpture: &Sculpture, x: f64, y: f64, factor: f64) -> Dab {
@@ -281,11 +281,11 @@ fn everything_that_can_be_painted_is_followed() {
     assert!(told(Dab { radius_m: 0.0, ..touch(Paint::Bias(0.1)) }).contains("dab.radius_m"));
     assert!(told(Dab { core: 2.0, ..touch(Paint::Bias(0.1)) }).contains("dab.core"));
     assert!(
-        told(Dab { spot: Spot { face: 1 << 40, ..spot }, ..touch(Paint::Bias(0.1)) })
+        told(Dab { spot: SurfacePoint { face: 1 << 40, ..spot }, ..touch(Paint::Bias(0.1)) })
             .contains("there is no face")
     );
     assert!(
-        told(Dab { spot: Spot { weights: [1.0; 3], ..spot }, ..touch(Paint::Bias(0.1)) })
+        told(Dab { spot: SurfacePoint { weights: [1.0; 3], ..spot }, ..touch(Paint::Bias(0.1)) })
             .contains("name no point")
     );
     assert!(before.is_settled() && !sculpture.is_settled());

@@ -1,11 +1,11 @@
 //! report.json of `plisse grow` and its short table on the terminal: the same figures.
 
 use plisse::growth::adapt::MeshStage;
-use plisse::growth::measure::Reached;
 use plisse::mesh::Vec3;
 use plisse::mesh::crossing::crossing_pairs;
+use plisse::relief::RealisedGrowth;
 use plisse::scene::BuiltGrowth;
-use plisse::scene::growth::Counted;
+use plisse::scene::growth::FoldCount;
 use plisse::scene::growth::Mode;
 use serde::Serialize;
 
@@ -46,7 +46,7 @@ pub(super) struct Report {
     pub(super) offset_max_m: f64,
     /// Pairs of faces that cross each other, told exactly.
     pub(super) self_intersecting_pairs: usize,
-    pub(super) folds: Vec<Counted>,
+    pub(super) folds: Vec<FoldCount>,
     /// The meshes it grew on, if they followed its folds.
     pub(super) meshes: Vec<MeshSummary>,
     pub(super) frames: usize,
@@ -112,16 +112,16 @@ impl Report {
     pub(super) fn new(
         grown: &BuiltGrowth,
         found: &Outcome,
-        reached: Option<Reached>,
-        folds: Vec<Counted>,
+        reached: Option<RealisedGrowth>,
+        folds: Vec<FoldCount>,
     ) -> Self {
         let (built, pose) = (&grown.built, &found.pose);
         let area = |positions: &[Vec3]| -> f64 {
             let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
             built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
         };
-        let offsets = plisse::growth::measure::offsets_m(&built.topology, &built.start, pose)
-            .unwrap_or_default();
+        let offsets =
+            plisse::relief::offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: built.title.clone(),

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use plisse::growth::expansion::Growth;
+use plisse::growth::expansion::GrowthTensor;
 use plisse::growth::{
     Expansion, Growing, GrowthMaps, GrowthOptions, GrowthReport, StepReport, Surface,
     grow_adapting, grow_each,
@@ -76,18 +76,18 @@ impl Numbers {
     }
 
     /// Growth along where it points, and then all ways; `frame` has growth 1.
-    pub(super) fn growth(&self, frame: &Growth) -> Growth {
+    pub(super) fn growth(&self, frame: &GrowthTensor) -> GrowthTensor {
         let [x, y, z, all] = self.expansion;
         let (direction, normal) = (unshown(&Seen::new(x, y, z)), frame.along.cross(&frame.across));
         let (longer, all) = ((1.0 + direction.norm()).powi(2), (1.0 + f64::from(all)).powi(2));
         let flat = direction - normal * normal.dot(&direction);
         match flat.try_normalize(1e-6 * direction.norm()) {
-            Some(along) if longer != 1.0 => Growth {
+            Some(along) if longer != 1.0 => GrowthTensor {
                 along,
                 across: normal.cross(&along),
                 form: Mat2::new(longer * all, 0.0, 0.0, all),
             },
-            _ => Growth { form: Mat2::identity() * all, ..*frame },
+            _ => GrowthTensor { form: Mat2::identity() * all, ..*frame },
         }
     }
 

@@ -16,7 +16,7 @@ const FACTORS: [f64; 2] = [1e-3, 1e3];
 
 /// Expansion of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Growth {
+pub struct GrowthTensor {
     /// First unit vector of the tangent frame; the second is the third of a right-handed frame:
     /// normal × first.
     pub along: Vec3,
@@ -26,7 +26,7 @@ pub struct Growth {
     pub form: Mat2,
 }
 
-impl Growth {
+impl GrowthTensor {
     /// dᵗτd (no unit) for the direction of `d` (m, any length) within the tangent plane; 1 where
     /// `d` is normal to it.
     fn square(&self, d: &Vec3) -> f64 {
@@ -60,7 +60,7 @@ impl Growth {
         [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(1, 2)], m[(2, 0)]]
     }
 
-    /// The expansion whose logarithm is the part of this one ([`Growth::logarithm`]) that lies in
+    /// The expansion whose logarithm is the part of this one ([`GrowthTensor::logarithm`]) that lies in
     /// the plane with the unit `normal`.
     pub(super) fn from_logarithm(normal: &Vec3, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> Self {
         let along = any_tangent(normal);
@@ -102,7 +102,7 @@ impl Growth {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Expansion of each vertex.
-    pub vertices: Vec<Growth>,
+    pub vertices: Vec<GrowthTensor>,
 }
 
 impl Expansion {
@@ -114,7 +114,7 @@ impl Expansion {
         let normals = vertex_normals(topology, positions)?;
         let frame = |normal: &Vec3| {
             let along = any_tangent(normal);
-            Growth { along, across: normal.cross(&along), form: Mat2::identity() }
+            GrowthTensor { along, across: normal.cross(&along), form: Mat2::identity() }
         };
         Ok(Self { vertices: normals.iter().map(frame).collect() })
     }
@@ -178,14 +178,14 @@ impl Expansion {
                     return Err(Error::value("growth.direction", message));
                 }
             };
-            Ok(Growth { along, across: normal.cross(&along), form })
+            Ok(GrowthTensor { along, across: normal.cross(&along), form })
         };
         Ok(Self { vertices: (0..tensors.len()).map(vertex).collect::<Result<_>>()? })
     }
 
     /// This growth, and `later` on what it has made: √τ·τ'·√τ at each vertex.
     pub fn then(&self, later: &Self) -> Self {
-        let vertex = |(first, second): (&Growth, &Growth)| {
+        let vertex = |(first, second): (&GrowthTensor, &GrowthTensor)| {
             if second.form == Mat2::identity() {
                 return *first;
             }
@@ -197,7 +197,7 @@ impl Expansion {
             let turn = Mat2::from_columns(&[turn(&along, &along), turn(&across, &across)]);
             let root = first.power(0.5).form;
             let form = root * turn * second.form * turn.transpose() * root;
-            Growth { form: (form + form.transpose()) * 0.5, ..*first }
+            GrowthTensor { form: (form + form.transpose()) * 0.5, ..*first }
         };
         Self { vertices: self.vertices.iter().zip(&later.vertices).map(vertex).collect() }
     }
@@ -402,17 +402,20 @@ mod tests {
     fn logarithms_carry_a_growth_into_other_frames() {
         let normal = Vec3::new(0.3, -0.5, 0.8).normalize();
         let along = normal.cross(&Vec3::new(0.2, 0.9, 0.1)).normalize();
-        let growth =
-            Growth { along, across: normal.cross(&along), form: Mat2::new(2.0, 0.3, 0.3, 0.7) };
-        let again = Growth::from_logarithm(&normal, growth.logarithm());
+        let growth = GrowthTensor {
+            along,
+            across: normal.cross(&along),
+            form: Mat2::new(2.0, 0.3, 0.3, 0.7),
+        };
+        let again = GrowthTensor::from_logarithm(&normal, growth.logarithm());
         for angle in [0.0_f64, 0.7, 1.9, 2.6] {
             let d = growth.along * angle.cos() + growth.across * angle.sin();
             assert!((again.square(&d) - growth.square(&d)).abs() < 1e-12);
         }
         // Half of each of two equal ones is the same again; none stays none to the bit.
         let half = growth.logarithm().map(|x| 0.5 * x + 0.5 * x);
-        assert!((Growth::from_logarithm(&normal, half).form - again.form).norm() < 1e-12);
-        assert_eq!(Growth::from_logarithm(&normal, [0.0; 6]).form, Mat2::identity());
+        assert!((GrowthTensor::from_logarithm(&normal, half).form - again.form).norm() < 1e-12);
+        assert_eq!(GrowthTensor::from_logarithm(&normal, [0.0; 6]).form, Mat2::identity());
     }
 
     #[test]

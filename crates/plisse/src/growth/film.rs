@@ -22,7 +22,6 @@
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
-use super::self_contact::{SelfContact, Touch};
 use crate::Result;
 use crate::linalg::IndexBlocks;
 use crate::linalg::sparse::SymmetricPattern;
@@ -30,6 +29,7 @@ use crate::linalg::vertex_pattern::{NO_SLOT, VertexPattern};
 use crate::linalg::{Problem, PsdProjection};
 use crate::material::Material;
 use crate::mesh::{Mat3, NONE, Vec3};
+use crate::self_contact::{SelfContact, Touch};
 use crate::shell::Setup;
 use crate::shell::contact::Barrier;
 use crate::shell::quadratic_bending::QuadraticBending;

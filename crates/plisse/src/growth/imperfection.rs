@@ -9,8 +9,8 @@
 
 use std::f64::consts::TAU;
 
-use super::growing::Growing;
-use super::procedure::roughness;
+use super::procedural_map::roughness;
+use super::surface::Growing;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::rest::RestMetric;

@@ -1,7 +1,7 @@
 //! What may differ from place to place on a surface that grows.
 
-use super::bands::check_bands;
 use super::expansion::Expansion;
+use super::rigid_bands::check_bands;
 use crate::{Error, Result};
 
 /// How each vertex of a surface grows, and folds while it does.
@@ -47,7 +47,7 @@ impl GrowthMaps {
 
     /// Largest logarithm of a factor of length that is asked for, up or down.
     pub fn most_growth(&self) -> f64 {
-        let log = |v: &super::expansion::Growth| {
+        let log = |v: &super::expansion::GrowthTensor| {
             v.principal().0.map(|factor| factor.ln().abs()).into_iter().fold(0.0, f64::max)
         };
         self.expansion.vertices.iter().map(log).fold(0.0, f64::max)

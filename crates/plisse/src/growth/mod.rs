@@ -1,34 +1,30 @@
 //! Folds where the surface is told to grow: expansion textures ([Combaz & Neyret 2002]).
 //!
-//! [`expansion`] says by how much, and along what, the surface grows, and edits the rest metric; [`procedure`] makes such maps, and
-//! maps of single numbers, from the place on the surface; [`equilibrium`] folds the grown surface
+//! [`expansion`] says by how much, and along what, the surface grows, and edits the rest metric; [`procedural_map`] makes such maps, and
+//! maps of single numbers, from the place on the surface; [`load_stepping`] folds the grown surface
 //! up by minimising the energy of a
 //! [`film`] on a foundation, [`reference`](mod@reference) by the forces of the paper; [`fold_angle`] is the mathematics of one large
-//! fold; [`measure`] counts what came out; [`mod@remesh`] makes the mesh fine where it grows,
-//! [`adapt`] while it does; [`sculpt`] follows a brush, and solves what lies around it alone.
+//! fold; [`adapt`] makes the mesh fine where it grows, while it does; [`sculpt`] follows a brush, and solves what lies around it alone.
 
 pub mod adapt;
-mod bands;
-pub mod equilibrium;
+mod equilibrate;
 pub mod expansion;
 pub mod film;
 pub mod fold_angle;
-mod growing;
 mod imperfection;
+pub mod load_stepping;
 mod loose;
 mod maps;
-pub mod measure;
-pub mod procedure;
+pub mod procedural_map;
 pub mod reference;
-pub mod remesh;
+mod rigid_bands;
 pub mod sculpt;
-mod self_contact;
-mod settle;
+mod surface;
 
 pub use adapt::{AdaptOptions, Surface, grow_adapting};
-pub use equilibrium::{GrowthOptions, GrowthReport, StepReport, grow, grow_each};
 pub use expansion::Expansion;
-pub use growing::Growing;
+pub use load_stepping::{GrowthOptions, GrowthReport, StepReport, grow, grow_each};
 pub use maps::GrowthMaps;
-pub use procedure::{Course, Procedure};
+pub use procedural_map::{DirectionField, ProceduralMap};
 pub use sculpt::{Dab, Paint, Sculpture};
+pub use surface::Growing;

@@ -1,6 +1,6 @@
 //! The reference mode: the forces (1)–(6) of [Combaz & Neyret 2002] with its smoothing kernel and
 //! sigmoid (4.4), integrated semi-implicitly. Kept because the paper's figures were made with it;
-//! [`super::equilibrium`] is the default.
+//! [`super::load_stepping`] is the default.
 //!
 //! All forces are per unit of starting area and in units of the membrane's stiffness. With the
 //! curvature κ = −N·Δx (1/m, positive where the surface bulges out; κ₀ is that of the starting
@@ -26,8 +26,8 @@ use std::f64::consts::TAU;
 use web_time::Instant;
 
 use super::expansion::vertex_normals;
-use super::growing::Growing;
-use super::procedure::roughness;
+use super::procedural_map::roughness;
+use super::surface::Growing;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::material::Material;

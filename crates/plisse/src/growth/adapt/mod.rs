@@ -4,22 +4,22 @@
 //! The pattern is chosen, and grows, on a mesh just fine enough to carry it; only then the mesh is
 //! made as fine as the result shall be, and each refinement needs a few iterations, because it
 //! begins where the coarser one ended, with new vertices on the curves that its normals tell
-//! ([`Curving`]). What the surface carries goes with it; the expansion acts on the ungrown rest
+//! ([`MidpointPlacement`]). What the surface carries goes with it; the expansion acts on the ungrown rest
 //! metric, whatever the mesh.
 
-mod surface;
+mod remesh_surface;
 
-pub use surface::Surface;
+pub use remesh_surface::Surface;
 
 use web_time::Instant;
 
-use super::equilibrium::{GrowthOptions, GrowthReport, StepReport, choosing_part};
-use super::growing::Growing;
-use super::remesh::{Curving, RemeshOptions, RemeshReport};
-use super::settle::{Effort, settle_part};
+use super::equilibrate::{Effort, settle_part};
+use super::load_stepping::{GrowthOptions, GrowthReport, StepReport, choosing_part};
+use super::surface::Growing;
 use crate::linalg::Ending;
 use crate::mesh::Vec2;
 use crate::progress::Observer;
+use crate::remesh::{MidpointPlacement, RemeshOptions, RemeshReport};
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
@@ -46,7 +46,7 @@ pub struct AdaptOptions {
     /// a half.
     pub normal_angle: f64,
     /// Where new vertices go.
-    pub curving: Curving,
+    pub midpoints: MidpointPlacement,
     /// Newton iterations at most on each of the finer meshes at the end.
     pub finish_iterations: usize,
 }
@@ -60,7 +60,7 @@ impl AdaptOptions {
             longest_m,
             most_vertices: 200_000,
             normal_angle: 1.0,
-            curving: Curving::Folds,
+            midpoints: MidpointPlacement::Folds,
             finish_iterations: 20,
         }
     }
@@ -148,7 +148,7 @@ impl AdaptOptions {
             edges_per_wave,
             normal_angle: self.normal_angle,
             most_vertices: self.most_vertices,
-            curving: self.curving,
+            midpoints: self.midpoints,
             ..RemeshOptions::new(self.longest_m)
         }
     }

@@ -1,20 +1,20 @@
 //! One touch of a brush, and what it does to the values of a vertex.
 
 use super::{Painted, SculptOptions};
-use crate::growth::expansion::{Expansion, Growth};
+use crate::growth::expansion::{Expansion, GrowthTensor};
 use crate::mesh::{Mat2, Topology, Vec3};
 use crate::{Error, Result};
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct SurfacePoint {
     /// The face on which it lies.
     pub face: usize,
     /// Shares of the face's corners; they add up to 1.
     pub weights: [f64; 3],
 }
 
-impl Spot {
+impl SurfacePoint {
     /// The place of vertex `v` of `topology`; none if there is no such vertex. Looks through all
     /// faces.
     pub fn vertex(topology: &Topology, v: usize) -> Option<Self> {
@@ -52,7 +52,7 @@ pub enum Paint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dab {
     /// Where its middle is.
-    pub spot: Spot,
+    pub spot: SurfacePoint,
     /// How far it reaches (m), along the starting surface.
     pub radius_m: f64,
     /// Share of the radius within which it has its full strength; from there it falls off smoothly.
@@ -144,21 +144,26 @@ impl Painted {
 
 /// `growth`, and then `factor` along `direction` or in all; as it is where that would go beyond the
 /// limits, or where the direction is normal to the surface.
-fn grown(growth: &Growth, factor: f64, direction: Option<Vec3>, options: &SculptOptions) -> Growth {
+fn grown(
+    growth: &GrowthTensor,
+    factor: f64,
+    direction: Option<Vec3>,
+    options: &SculptOptions,
+) -> GrowthTensor {
     let later = match direction {
-        None => Growth { form: Mat2::identity() * (factor * factor), ..*growth },
+        None => GrowthTensor { form: Mat2::identity() * (factor * factor), ..*growth },
         Some(direction) => {
             let normal = growth.along.cross(&growth.across);
             let flat = direction - normal * normal.dot(&direction);
             let Some(along) = flat.try_normalize(1e-6 * direction.norm()) else { return *growth };
-            Growth {
+            GrowthTensor {
                 along,
                 across: normal.cross(&along),
                 form: Mat2::new(factor * factor, 0.0, 0.0, 1.0),
             }
         }
     };
-    let one = |growth: Growth| Expansion { vertices: vec![growth] };
+    let one = |growth: GrowthTensor| Expansion { vertices: vec![growth] };
     let whole = one(*growth).then(&one(later)).vertices[0];
     let ([most, least], _) = whole.principal();
     let further = most > options.growth_limit && factor > 1.0

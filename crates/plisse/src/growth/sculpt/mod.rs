@@ -16,15 +16,15 @@ mod dab;
 mod region;
 
 pub use change::Change;
-pub use dab::{Dab, Paint, Spot};
+pub use dab::{Dab, Paint, SurfacePoint};
 
 use web_time::Instant;
 
-use super::equilibrium::{GrowthOptions, StepReport};
-use super::expansion::{Expansion, Growth, vertex_normals};
-use super::growing::Growing;
+use super::equilibrate::{Effort, Scale, Within, areas_and_imperfections, settle_part};
+use super::expansion::{Expansion, GrowthTensor, vertex_normals};
+use super::load_stepping::{GrowthOptions, StepReport};
 use super::maps::GrowthMaps;
-use super::settle::{Effort, Scale, Within, areas_and_imperfections, settle_part};
+use super::surface::Growing;
 use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
@@ -38,7 +38,7 @@ use region::Region;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Painted {
     /// How it grows.
-    pub growth: Growth,
+    pub growth: GrowthTensor,
     /// λ (m).
     pub wavelength_m: f64,
     /// Λ (m).

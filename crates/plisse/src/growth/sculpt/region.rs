@@ -3,7 +3,7 @@
 
 use super::{Sculpture, maps_of};
 use crate::Result;
-use crate::growth::growing::Growing;
+use crate::growth::surface::Growing;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::rest::RestMetric;
 use crate::shell::Loads;

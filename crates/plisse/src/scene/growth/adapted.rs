@@ -7,9 +7,9 @@ use super::count;
 use super::schema::RemeshTable;
 use crate::Result;
 use crate::bake::islands::side_by_side;
-use crate::growth::remesh::Curving;
 use crate::growth::{AdaptOptions, Surface};
 use crate::mesh::{Topology, Vec2, Vec3};
+use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
 use crate::scene::build::{Built, BuiltPanel};
 use crate::scene::laid::Laid;
@@ -27,7 +27,7 @@ pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) 
     options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
     options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
     if table.round_start == Some(true) {
-        options.curving = Curving::Start;
+        options.midpoints = MidpointPlacement::Start;
     }
     options
 }

@@ -233,7 +233,7 @@ fn check_count(scene: &Scene, place: &str, table: &CountTable) -> Result<()> {
 fn check_map(scene: &Scene, place: &str, map: &MapTable) -> Result<()> {
     match map {
         MapTable::Number(value) => in_reach(place, &[*value]),
-        MapTable::Procedure(table) => {
+        MapTable::ProceduralMap(table) => {
             check_fields(place, table)?;
             in_reach(&format!("{place}.low"), &[table.low])?;
             in_reach(&format!("{place}.high"), &[table.high])?;

@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::BuiltGrowth;
 use super::schema::{CountTable, PanelAxis};
-use crate::growth::measure::{Reached, Relief, Window, offsets_m, reached};
 use crate::mesh::{Vec2, Vec3};
+use crate::relief::{RealisedGrowth, Relief, Window, offsets_m, reached};
 use crate::rest::RestMetric;
 use crate::scene::laid::Laid;
 use crate::scene::schema::{PanelTable, Shape};
@@ -73,7 +73,7 @@ pub(super) fn extent(panel: &PanelTable) -> Extent {
 
 /// What stands in one window. Field names carry the units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Counted {
+pub struct FoldCount {
     /// Name of the window.
     pub name: String,
     /// λ asked for (m), mean over the window.
@@ -181,7 +181,7 @@ impl BuiltGrowth {
     ///
     /// # Errors
     /// [`Error::Mesh`] if the starting surface has no normal somewhere.
-    pub fn count(&self, pose: &[Vec3], asked: &RestMetric) -> Result<Vec<Counted>> {
+    pub fn count(&self, pose: &[Vec3], asked: &RestMetric) -> Result<Vec<FoldCount>> {
         let topology = &self.built.topology;
         let offset = offsets_m(topology, &self.built.start, pose)?;
         let along = self.along();
@@ -207,8 +207,10 @@ impl BuiltGrowth {
                 .map(|&(f, corners)| (corners, topology.faces[f].map(|v| offset[v])));
             let relief = place.relief(corners, points as usize)?;
             let folds = relief.folds();
-            let got = reached(topology, &self.built.start, asked, pose, &along, |f| within[f]);
-            counted.push(Counted {
+            let got = realised_growth(topology, &self.built.start, asked, pose, |f| {
+                within[f].then(|| along[f])
+            });
+            counted.push(FoldCount {
                 name: place.name.clone(),
                 asked_wavelength_m,
                 wavelength_m: folds.map(|f| f.wavelength_m),
@@ -227,7 +229,7 @@ impl BuiltGrowth {
 
     /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if
     /// there is no such face.
-    pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<Reached> {
+    pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<RealisedGrowth> {
         let mut banded = vec![false; pose.len()];
         self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);
         let free = |v: usize| self.maps.frozen[v] == [false; 3] && !banded[v];
@@ -238,10 +240,10 @@ impl BuiltGrowth {
                     .into_iter()
                     .any(|v| self.maps.expansion.vertices[v].principal().0[0] > GROWS)
         };
-        let any = (0..self.built.topology.face_count()).any(counts);
-        any.then(|| {
-            reached(&self.built.topology, &self.built.start, asked, pose, &self.along(), counts)
-        })
+        let (topology, along) = (&self.built.topology, self.along());
+        let any = (0..topology.face_count()).any(counts);
+        let of_face = |f: usize| counts(f).then(|| along[f]);
+        any.then(|| realised_growth(topology, &self.built.start, asked, pose, of_face))
     }
 
     /// `[F]` the direction along which the corner that grows most does.

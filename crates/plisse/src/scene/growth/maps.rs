@@ -6,7 +6,7 @@ use super::schema::{
     AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable,
 };
 use crate::bake::islands::side_by_side;
-use crate::growth::{Course, Expansion, Procedure};
+use crate::growth::{DirectionField, Expansion, ProceduralMap};
 use crate::mesh::{Mat2, Vec2, Vec3};
 use crate::scene::garment::beside;
 use crate::scene::laid::Laid;
@@ -14,24 +14,26 @@ use crate::scene::schema::Scene;
 use crate::{Error, Result};
 
 /// The procedure of a checked `table`; `None` for an image, for panels and for an attribute.
-pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
+pub(super) fn procedure(table: &ProcedureTable) -> Option<ProceduralMap> {
     let point = |p: Option<[f64; 3]>| Vec3::from(p.unwrap_or_default());
     let (centre, axis, seed) = (point(table.centre_m), point(table.axis), table.seed.unwrap_or(1));
     let length = |x: Option<f64>| x.unwrap_or_default();
     let (radius_m, width_m, soft_m, size_m) =
         (length(table.radius_m), length(table.width_m), length(table.soft_m), length(table.size_m));
     Some(match table.kind {
-        MapKind::Ramp => Procedure::Ramp { from: point(table.from_m), to: point(table.to_m) },
-        MapKind::Band => Procedure::Band { centre, normal: point(table.normal), width_m, soft_m },
-        MapKind::Ring => Procedure::Ring { centre, axis, radius_m, width_m, soft_m },
-        MapKind::Radial => Procedure::Radial { centre, axis, radius_m },
-        MapKind::Spots => Procedure::Spots {
+        MapKind::Ramp => ProceduralMap::Ramp { from: point(table.from_m), to: point(table.to_m) },
+        MapKind::Band => {
+            ProceduralMap::Band { centre, normal: point(table.normal), width_m, soft_m }
+        }
+        MapKind::Ring => ProceduralMap::Ring { centre, axis, radius_m, width_m, soft_m },
+        MapKind::Radial => ProceduralMap::Radial { centre, axis, radius_m },
+        MapKind::Spots => ProceduralMap::Spots {
             centres: table.centres_m.iter().flatten().map(|c| Vec3::from(*c)).collect(),
             radius_m,
         },
-        MapKind::Noise => Procedure::Noise { size_m, seed },
+        MapKind::Noise => ProceduralMap::Noise { size_m, seed },
         MapKind::Fractal => {
-            Procedure::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed }
+            ProceduralMap::Fractal { size_m, octaves: table.octaves.unwrap_or_default(), seed }
         }
         MapKind::Image | MapKind::Panels | MapKind::Attribute => return None,
     })
@@ -41,7 +43,7 @@ pub(super) fn procedure(table: &ProcedureTable) -> Option<Procedure> {
 pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Result<Vec<f64>> {
     let table = match map {
         MapTable::Number(value) => return Ok(vec![*value; laid.start.len()]),
-        MapTable::Procedure(table) => table,
+        MapTable::ProceduralMap(table) => table,
     };
     if let Some(procedure) = procedure(table) {
         return Ok(procedure.map(&laid.start, table.low, table.high));
@@ -240,13 +242,13 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
 /// `[V]` directions, of any length.
 fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Vec3>> {
     let course = match table {
-        DirectionTable::Fixed(direction) => Course::Fixed(Vec3::from(*direction)),
+        DirectionTable::Fixed(direction) => DirectionField::Fixed(Vec3::from(*direction)),
         DirectionTable::Axis(table) => {
             let (centre, axis) =
                 (Vec3::from(table.centre_m), Vec3::from(table.axis.unwrap_or_default()));
             match table.kind {
-                AxisKind::Around => Course::Around { centre, axis },
-                AxisKind::Outward => Course::Outward { centre, axis },
+                AxisKind::Around => DirectionField::Around { centre, axis },
+                AxisKind::Outward => DirectionField::Outward { centre, axis },
                 AxisKind::Attribute => {
                     let field = format!("{place}.direction.names");
                     let names = table.names.clone().unwrap_or_default();

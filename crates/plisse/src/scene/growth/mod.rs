@@ -9,7 +9,7 @@ pub mod count;
 pub(super) mod maps;
 pub mod schema;
 
-pub use count::Counted;
+pub use count::FoldCount;
 pub use schema::Mode;
 
 use super::build::{Built, assemble, lay};

@@ -76,7 +76,7 @@ pub struct RemeshTable {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// The least energy: [`crate::growth::equilibrium`].
+    /// The least energy: [`crate::growth::load_stepping`].
     #[default]
     Variational,
     /// The forces of the paper: [`mod@crate::growth::reference`].
@@ -171,7 +171,7 @@ pub enum MapTable {
     /// The same everywhere.
     Number(f64),
     /// By place.
-    Procedure(Box<ProcedureTable>),
+    ProceduralMap(Box<ProcedureTable>),
 }
 
 /// A map by place: `low` where the procedure is 0, `high` where it is 1.
@@ -303,7 +303,7 @@ impl<'de> Deserialize<'de> for MapTable {
 
             fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<MapTable, A::Error> {
                 ProcedureTable::deserialize(MapAccessDeserializer::new(map))
-                    .map(|table| MapTable::Procedure(Box::new(table)))
+                    .map(|table| MapTable::ProceduralMap(Box::new(table)))
             }
         }
         deserializer.deserialize_any(NumberOrTable)

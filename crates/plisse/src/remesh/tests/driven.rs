@@ -1,6 +1,6 @@
 //! The whole of it.
 
-use super::super::{RemeshOptions, Remeshed, Sheet, edge_ratios, remesh};
+use super::super::{RemeshOptions, Remeshed, SurfaceMesh, edge_ratios, remesh};
 use super::checks::{kept, linear_still, same_kind, same_measure, upright};
 use super::meshes::{Random, sphere, square, torus, with_seam};
 use crate::growth::Expansion;
@@ -9,7 +9,13 @@ use crate::rest::RestMetric;
 
 /// `sheet` grown by up to `most` in a smooth spot about `centre`, of `radius` (m); λ (m)
 /// everywhere.
-fn grown(mut sheet: Sheet, centre: Vec3, radius: f64, most: f64, wavelength: f64) -> Sheet {
+fn grown(
+    mut sheet: SurfaceMesh,
+    centre: Vec3,
+    radius: f64,
+    most: f64,
+    wavelength: f64,
+) -> SurfaceMesh {
     let topology = Topology::new("test", sheet.start.len(), sheet.faces.clone()).unwrap();
     let factor = |p: &Vec3| {
         let t = (1.0 - (p - centre).norm_squared() / (radius * radius)).max(0.0);
@@ -24,15 +30,19 @@ fn grown(mut sheet: Sheet, centre: Vec3, radius: f64, most: f64, wavelength: f64
     sheet
 }
 
-fn all(sheet: &Sheet) -> Vec<bool> {
+fn all(sheet: &SurfaceMesh) -> Vec<bool> {
     vec![true; sheet.faces.len()]
 }
 
 /// Everything that must hold after a call; says how it went.
-fn verify(before: &Sheet, options: &RemeshOptions, outward: impl Fn(&Vec3) -> Vec3) -> Remeshed {
+fn verify(
+    before: &SurfaceMesh,
+    options: &RemeshOptions,
+    outward: impl Fn(&Vec3) -> Vec3,
+) -> Remeshed {
     let first = remesh(before.clone(), &all(before), options).unwrap();
     let report = &first.report;
-    assert!(report.settled, "{report:?}");
+    assert!(report.converged, "{report:?}");
     let was = kept(before);
     same_kind(&first.sheet, &was).unwrap();
     upright(&first.sheet, outward).unwrap();
@@ -66,18 +76,18 @@ fn verify(before: &Sheet, options: &RemeshOptions, outward: impl Fn(&Vec3) -> Ve
 }
 
 /// Share of edges between 2/5 and 4/3 of what is asked for.
-fn in_band(sheet: &Sheet, options: &RemeshOptions) -> f64 {
+fn in_band(sheet: &SurfaceMesh, options: &RemeshOptions) -> f64 {
     let ratios = edge_ratios(sheet, options).unwrap();
     ratios.iter().filter(|r| (0.4..=4.0 / 3.0).contains(*r)).count() as f64 / ratios.len() as f64
 }
 
 /// Mean length (m) at rest of the sides of faces all of whose corners have `channel 1` as chosen.
-fn mean_side(sheet: &Sheet, choose: impl Fn(f64) -> bool) -> f64 {
+fn mean_side(sheet: &SurfaceMesh, choose: impl Fn(f64) -> bool) -> f64 {
     let chosen = (0..sheet.faces.len())
         .filter(|&f| sheet.faces[f].iter().all(|&v| choose(sheet.channels[1][v])));
     let sides: Vec<f64> = chosen
         .flat_map(|f| (0..3).map(move |k| (f, k)))
-        .map(|(f, k)| super::super::laid::side(&sheet.rest[f], k))
+        .map(|(f, k)| super::super::unfold::side(&sheet.rest[f], k))
         .collect();
     assert!(!sides.is_empty());
     sides.iter().sum::<f64>() / sides.len() as f64
@@ -137,15 +147,16 @@ fn remesh_coarsens_what_is_too_fine() {
 fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
     let options = RemeshOptions::new(0.12);
     let sheet = grown(with_seam(square(0.05, 5)), Vec3::new(0.4, 0.5, 0.0), 0.3, 1.5, 0.1);
-    let middle =
-        |face: &[usize; 3], sheet: &Sheet| face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0;
+    let middle = |face: &[usize; 3], sheet: &SurfaceMesh| {
+        face.iter().map(|&v| sheet.start[v]).sum::<Vec3>() / 3.0
+    };
     let active: Vec<bool> = sheet
         .faces
         .iter()
         .map(|f| (middle(f, &sheet) - Vec3::new(0.4, 0.5, 0.0)).norm() < 0.2)
         .collect();
     let done = remesh(sheet.clone(), &active, &options).unwrap();
-    assert!(done.report.settled && done.report.splits > 50, "{:?}", done.report);
+    assert!(done.report.converged && done.report.splits > 50, "{:?}", done.report);
     // It grew, so all keep their numbers.
     for f in (0..active.len()).filter(|&f| !active[f]) {
         assert!(done.maps.faces[f] == Some(f) && !done.maps.changed[f]);
@@ -167,7 +178,7 @@ fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
     let coarse =
         RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.3) };
     let done = remesh(sheet.clone(), &active, &coarse).unwrap();
-    assert!(done.report.settled && done.report.collapses > 20, "{:?}", done.report);
+    assert!(done.report.converged && done.report.collapses > 20, "{:?}", done.report);
     let count = done.sheet.faces.len();
     for f in (0..active.len()).filter(|&f| !active[f]) {
         let g = done.maps.faces[f].unwrap();
@@ -198,7 +209,7 @@ fn remesh_refines_where_normals_turn_and_growth_changes() {
         finest_share: 0.1,
         ..RemeshOptions::new(0.3)
     };
-    let count = |sheet: &Sheet, options: &RemeshOptions| {
+    let count = |sheet: &SurfaceMesh, options: &RemeshOptions| {
         remesh(sheet.clone(), &all(sheet), options).unwrap().sheet.positions.len()
     };
     let ball = sphere(8, 0.0, &mut Random(1));
@@ -219,7 +230,7 @@ fn remesh_refines_where_normals_turn_and_growth_changes() {
 fn remesh_names_what_it_cannot_use() {
     let sheet = square(0.3, 1);
     let options = RemeshOptions::new(0.2);
-    let told = |spoil: &dyn Fn(&mut Sheet, &mut RemeshOptions)| {
+    let told = |spoil: &dyn Fn(&mut SurfaceMesh, &mut RemeshOptions)| {
         let (mut s, mut o) = (sheet.clone(), options.clone());
         spoil(&mut s, &mut o);
         let active = all(&s);

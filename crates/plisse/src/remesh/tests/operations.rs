@@ -1,6 +1,6 @@
 //! Random splits, swaps and collapses, one after the other.
 
-use super::super::Sheet;
+use super::super::SurfaceMesh;
 use super::super::collapse::Tolerances;
 use super::super::patch::Patch;
 use super::checks::{kept, linear_still, same_kind, same_measure, upright};
@@ -9,7 +9,7 @@ use crate::mesh::Vec3;
 
 /// `count` random operations, checked after every 40; how many of each were done.
 fn shake(
-    sheet: Sheet,
+    sheet: SurfaceMesh,
     outward: impl Fn(&Vec3) -> Vec3,
     tolerances: Tolerances,
     count: usize,
@@ -49,7 +49,7 @@ fn shake(
                 active: patch.active.clone(),
                 dead: patch.dead.clone(),
                 changed: patch.changed.clone(),
-                curving: patch.curving,
+                midpoints: patch.midpoints,
                 living: patch.living,
             };
             let living = copy.living;

@@ -1,13 +1,13 @@
 //! A growing surface with everything it carries, from mesh to mesh.
 
 use crate::Result;
-use crate::growth::expansion::{Expansion, Growth, vertex_normals};
-use crate::growth::growing::Growing;
+use crate::growth::expansion::{Expansion, GrowthTensor, vertex_normals};
 use crate::growth::maps::GrowthMaps;
-use crate::growth::remesh::{Curving, RemeshOptions, RemeshReport, Sheet, remesh};
+use crate::growth::surface::Growing;
 use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::obstacle::Obstacle;
+use crate::remesh::{MidpointPlacement, RemeshOptions, RemeshReport, SurfaceMesh, remesh};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
 
@@ -100,7 +100,7 @@ impl<'a> Surface<'a> {
             self.maps.hold.clone(),
         ]);
         channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
-        let logarithms: Vec<[f64; 6]> = growth.iter().map(Growth::logarithm).collect();
+        let logarithms: Vec<[f64; 6]> = growth.iter().map(GrowthTensor::logarithm).collect();
         channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
         debug_assert_eq!(channels.len(), CHANNELS);
         channels.extend(self.maps.bands.iter().map(|band| {
@@ -108,7 +108,7 @@ impl<'a> Surface<'a> {
             band.iter().for_each(|&v| inside[v] = 1.0);
             inside
         }));
-        let sheet = Sheet {
+        let sheet = SurfaceMesh {
             faces: self.topology.faces.clone(),
             rest: self.rest.faces.clone(),
             positions: self.pose.clone(),
@@ -118,8 +118,8 @@ impl<'a> Surface<'a> {
             uvs: self.uvs.clone(),
         };
         let active = vec![true; sheet.faces.len()];
-        let flat = RemeshOptions { curving: Curving::Flat, ..options.clone() };
-        let crosses = |sheet: &Sheet| {
+        let flat = RemeshOptions { midpoints: MidpointPlacement::Flat, ..options.clone() };
+        let crosses = |sheet: &SurfaceMesh| {
             self.self_contact && !crossing_pairs(&sheet.faces, &sheet.positions).is_empty()
         };
         let mut remeshed = remesh(sheet.clone(), &active, options)?;
@@ -138,9 +138,9 @@ impl<'a> Surface<'a> {
         let normals = vertex_normals(&topology, &sheet.start)?;
         let c = &sheet.channels;
         let made = |v: usize| {
-            Growth::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]))
+            GrowthTensor::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]))
         };
-        let mut vertices: Vec<Growth> = (0..normals.len()).map(made).collect();
+        let mut vertices: Vec<GrowthTensor> = (0..normals.len()).map(made).collect();
         for (old, new) in remeshed.maps.vertices.iter().enumerate() {
             if let Some(new) = *new {
                 vertices[new] = self.maps.expansion.vertices[old];

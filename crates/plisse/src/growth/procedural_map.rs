@@ -14,7 +14,7 @@ const MOST_OCTAVES: usize = 16;
 /// Where a map is high (1) and where it is low (0). Borders are soft over a length (m): 0 cuts
 /// sharply.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Procedure {
+pub enum ProceduralMap {
     /// 1 everywhere.
     Uniform,
     /// From 0 at `from` to 1 at `to` (m) and beyond, linear between.
@@ -83,7 +83,7 @@ pub enum Procedure {
     },
 }
 
-impl Procedure {
+impl ProceduralMap {
     /// Checks sizes and directions.
     ///
     /// # Errors
@@ -195,7 +195,7 @@ impl Procedure {
 
 /// In which direction the surface grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Course {
+pub enum DirectionField {
     /// The same everywhere.
     Fixed(Vec3),
     /// Away from an axis.
@@ -214,7 +214,7 @@ pub enum Course {
     },
 }
 
-impl Course {
+impl DirectionField {
     /// The direction at `p` (m), of any length; 0 on the axis.
     pub fn at(&self, p: &Vec3) -> Vec3 {
         match self {
@@ -289,10 +289,11 @@ mod tests {
     #[test]
     fn shapes_are_where_they_should_be() {
         let (x, z) = (Vec3::x(), Vec3::z());
-        let band = Procedure::Band { centre: x * 0.5, normal: x * 2.0, width_m: 0.2, soft_m: 0.1 };
+        let band =
+            ProceduralMap::Band { centre: x * 0.5, normal: x * 2.0, width_m: 0.2, soft_m: 0.1 };
         assert_eq!([0.5, 0.59, 0.71].map(|s| band.value(&(x * s))), [1.0, 1.0, 0.0]);
         assert!((band.value(&(x * 0.65)) - 0.5).abs() < 1e-12);
-        let ring = Procedure::Ring {
+        let ring = ProceduralMap::Ring {
             centre: Vec3::zeros(),
             axis: z,
             radius_m: 1.0,
@@ -300,24 +301,27 @@ mod tests {
             soft_m: 0.0,
         };
         assert_eq!([0.0, 0.95, 1.05, 1.2].map(|s| ring.value(&(x * s + z))), [0.0, 1.0, 1.0, 0.0]);
-        let ramp = Procedure::Ramp { from: Vec3::zeros(), to: x * 2.0 };
+        let ramp = ProceduralMap::Ramp { from: Vec3::zeros(), to: x * 2.0 };
         assert_eq!(ramp.map(&[x * -1.0, x, x * 3.0], 1.0, 3.0), [1.0, 2.0, 3.0]);
-        let spots = Procedure::Spots { centres: vec![x, z], radius_m: 0.5 };
+        let spots = ProceduralMap::Spots { centres: vec![x, z], radius_m: 0.5 };
         assert_eq!(
             (spots.value(&x), spots.value(&z), spots.value(&Vec3::zeros())),
             (1.0, 1.0, 0.0)
         );
-        let radial = Procedure::Radial { centre: z, axis: z, radius_m: 2.0 };
+        let radial = ProceduralMap::Radial { centre: z, axis: z, radius_m: 2.0 };
         assert_eq!(radial.value(&x), 0.5);
-        let around = Course::Around { centre: Vec3::zeros(), axis: z };
-        assert_eq!((around.at(&x), Course::Outward { centre: z, axis: z }.at(&x)), (Vec3::y(), x));
+        let around = DirectionField::Around { centre: Vec3::zeros(), axis: z };
+        assert_eq!(
+            (around.at(&x), DirectionField::Outward { centre: z, axis: z }.at(&x)),
+            (Vec3::y(), x)
+        );
     }
 
     #[test]
     fn noise_is_smooth_seeded_and_fills_its_range() {
         for procedure in [
-            |seed| Procedure::Noise { size_m: 0.1, seed },
-            |seed| Procedure::Fractal { size_m: 0.3, octaves: 4, seed },
+            |seed| ProceduralMap::Noise { size_m: 0.1, seed },
+            |seed| ProceduralMap::Fractal { size_m: 0.3, octaves: 4, seed },
         ] {
             let at =
                 |seed, k: usize| procedure(seed).value(&Vec3::new(k as f64 * 0.003, 0.2, -0.7));
@@ -337,12 +341,18 @@ mod tests {
 
     #[test]
     fn sizes_that_are_none_are_named() {
-        let told = |p: Procedure| p.check("growth.amount").unwrap_err().to_string();
-        assert!(told(Procedure::Noise { size_m: 0.0, seed: 1 }).contains("growth.amount.size_m"));
-        assert!(told(Procedure::Fractal { size_m: 1.0, octaves: 0, seed: 1 }).contains("octaves"));
-        assert!(told(Procedure::Ramp { from: Vec3::x(), to: Vec3::x() }).contains("no direction"));
+        let told = |p: ProceduralMap| p.check("growth.amount").unwrap_err().to_string();
         assert!(
-            told(Procedure::Spots { centres: vec![], radius_m: f64::NAN }).contains("radius_m")
+            told(ProceduralMap::Noise { size_m: 0.0, seed: 1 }).contains("growth.amount.size_m")
+        );
+        assert!(
+            told(ProceduralMap::Fractal { size_m: 1.0, octaves: 0, seed: 1 }).contains("octaves")
+        );
+        assert!(
+            told(ProceduralMap::Ramp { from: Vec3::x(), to: Vec3::x() }).contains("no direction")
+        );
+        assert!(
+            told(ProceduralMap::Spots { centres: vec![], radius_m: f64::NAN }).contains("radius_m")
         );
     }
 }

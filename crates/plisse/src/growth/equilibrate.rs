@@ -1,19 +1,19 @@
 //! One step of growth: the film of a surface, or of a part of one, brought to rest.
 
-use super::bands::Banded;
-use super::equilibrium::{GrowthOptions, StepReport};
 use super::expansion::{Expansion, vertex_normals};
 use super::film::{CrestTension, Film, Foundation};
 use super::fold_angle::softening;
-use super::growing::Growing;
 use super::imperfection::band_limited;
+use super::load_stepping::{GrowthOptions, StepReport};
 use super::loose;
-use super::self_contact::SelfContact;
+use super::rigid_bands::Banded;
+use super::surface::Growing;
 use crate::linalg::newton::{Options, minimise};
 use crate::material::Material;
 use crate::mesh::Vec3;
 use crate::progress::Observer;
 use crate::rest::RestMetric;
+use crate::self_contact::SelfContact;
 use crate::shell::{Clamps, Setup};
 use crate::{Error, Result};
 

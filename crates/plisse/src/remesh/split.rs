@@ -1,7 +1,7 @@
 //! An edge split in its middle.
 
 use super::patch::Patch;
-use super::{Curving, laid};
+use super::{MidpointPlacement, unfold};
 use crate::mesh::Vec3;
 
 /// Most that a new vertex may lie beside the middle of its edge, as a share of the edge's length.
@@ -32,14 +32,14 @@ impl Patch {
         for (f, k) in faces.iter() {
             let (l, new) = ((k + 1) % 3, self.sheet.faces.len());
             let sheet = &mut self.sheet;
-            let (face, flat) = (sheet.faces[f], laid::corners(&sheet.rest[f]));
+            let (face, flat) = (sheet.faces[f], unfold::corners(&sheet.rest[f]));
             let (mut first, mut second) = ((face, flat), (face, flat));
             (first.0[l], first.1[l]) = (m, (flat[k] + flat[l]) * 0.5);
             (second.0[k], second.1[k]) = (m, first.1[l]);
             sheet.faces[f] = first.0;
-            sheet.rest[f] = laid::metric(first.1);
+            sheet.rest[f] = unfold::metric(first.1);
             sheet.faces.push(second.0);
-            sheet.rest.push(laid::metric(second.1));
+            sheet.rest.push(unfold::metric(second.1));
             if let Some(uvs) = &mut sheet.uvs {
                 let uv = uvs[f];
                 let middle = (uv[k] + uv[l]) * 0.5;
@@ -64,13 +64,13 @@ impl Patch {
         let sheet = &self.sheet;
         let mean = |places: &[Vec3]| (places[a] + places[b]) * 0.5;
         let (mut position, mut start) = (mean(&sheet.positions), mean(&sheet.start));
-        if self.curving == Curving::Flat {
+        if self.midpoints == MidpointPlacement::Flat {
             return (position, start);
         }
         let (folded, smooth) =
             (self.sagitta(a, b, &sheet.positions), self.sagitta(a, b, &sheet.start));
         // What is not folded stays on the start, to the bit.
-        let (round, beside) = if self.curving == Curving::Start {
+        let (round, beside) = if self.midpoints == MidpointPlacement::Start {
             (smooth, Vec3::zeros())
         } else {
             (Vec3::zeros(), smooth)

@@ -1,8 +1,8 @@
 //! What remeshing must keep, as checks that say what is wrong.
 
-use super::super::Sheet;
-use super::super::laid;
+use super::super::SurfaceMesh;
 use super::super::patch::{Patch, normal};
+use super::super::unfold;
 use super::meshes::{Random, annulus, linear, sphere, square, with_seam};
 use crate::mesh::{Topology, Vec2, Vec3};
 
@@ -16,7 +16,7 @@ pub(super) struct Kept {
     frozen_area: f64,
 }
 
-pub(super) fn kept(sheet: &Sheet) -> Kept {
+pub(super) fn kept(sheet: &SurfaceMesh) -> Kept {
     let topology = Topology::new("test", sheet.positions.len(), sheet.faces.clone()).unwrap();
     let mut boundary = [0.0; 3];
     let mut seams = 0.0;
@@ -24,7 +24,7 @@ pub(super) fn kept(sheet: &Sheet) -> Kept {
         let [a, b] = topology.edges[e];
         let side = |f: usize| (f, topology.face_edges[f].iter().position(|&x| x == e).unwrap());
         let (f, k) = side(topology.edge_faces[e][0]);
-        let length = laid::side(&sheet.rest[f], k);
+        let length = unfold::side(&sheet.rest[f], k);
         if topology.is_boundary_edge(e) {
             boundary[0] += length;
             boundary[1] += (sheet.positions[a] - sheet.positions[b]).norm();
@@ -46,7 +46,7 @@ pub(super) fn kept(sheet: &Sheet) -> Kept {
 }
 
 /// Manifold; as many handles and holes as before.
-pub(super) fn same_kind(sheet: &Sheet, before: &Kept) -> Result<(), String> {
+pub(super) fn same_kind(sheet: &SurfaceMesh, before: &Kept) -> Result<(), String> {
     Topology::new("test", sheet.positions.len(), sheet.faces.clone()).map_err(|e| e.to_string())?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
     if let Some(v) = (0..sheet.positions.len()).find(|&v| patch.fan(v).is_none()) {
@@ -60,7 +60,7 @@ pub(super) fn same_kind(sheet: &Sheet, before: &Kept) -> Result<(), String> {
 
 /// No face is turned over: all are on the side that `outward` (of the middle of a face) points to,
 /// and have area at rest.
-pub(super) fn upright(sheet: &Sheet, outward: impl Fn(&Vec3) -> Vec3) -> Result<(), String> {
+pub(super) fn upright(sheet: &SurfaceMesh, outward: impl Fn(&Vec3) -> Vec3) -> Result<(), String> {
     for (f, face) in sheet.faces.iter().enumerate() {
         for places in [&sheet.positions, &sheet.start] {
             let corners = face.map(|v| places[v]);
@@ -77,7 +77,7 @@ pub(super) fn upright(sheet: &Sheet, outward: impl Fn(&Vec3) -> Vec3) -> Result<
 
 /// Rest area but for `change` (m²), boundary, seams and frozen regions to 1e-12; both sides of each
 /// edge equally long.
-pub(super) fn same_measure(sheet: &Sheet, before: &Kept, change: f64) -> Result<(), String> {
+pub(super) fn same_measure(sheet: &SurfaceMesh, before: &Kept, change: f64) -> Result<(), String> {
     let now = kept(sheet);
     let mut pairs =
         vec![("area", now.area, before.area + change), ("seams", now.seams, before.seams)];
@@ -90,7 +90,7 @@ pub(super) fn same_measure(sheet: &Sheet, before: &Kept, change: f64) -> Result<
     }
     let topology = Topology::new("test", sheet.positions.len(), sheet.faces.clone()).unwrap();
     let side = |f: usize, e: usize| {
-        laid::side(&sheet.rest[f], topology.face_edges[f].iter().position(|&x| x == e).unwrap())
+        unfold::side(&sheet.rest[f], topology.face_edges[f].iter().position(|&x| x == e).unwrap())
     };
     for e in (0..topology.edge_count()).filter(|&e| !topology.is_boundary_edge(e)) {
         let [a, b] = topology.edge_faces[e].map(|f| side(f, e));
@@ -103,7 +103,7 @@ pub(super) fn same_measure(sheet: &Sheet, before: &Kept, change: f64) -> Result<
 
 /// Channel 2, and texture places but for the island, are linear functions of the place at the
 /// start, to the bit.
-pub(super) fn linear_still(sheet: &Sheet) -> Result<(), String> {
+pub(super) fn linear_still(sheet: &SurfaceMesh) -> Result<(), String> {
     if let Some(v) =
         (0..sheet.start.len()).find(|&v| sheet.channels[2][v] != linear(&sheet.start[v]))
     {
@@ -135,7 +135,7 @@ fn remesh_checks_fail_on_spoilt_surfaces() {
         .into_iter()
         .for_each(|v| good.frozen[v] = [true; 3]);
     let before = kept(&good);
-    let all = |s: &Sheet| {
+    let all = |s: &SurfaceMesh| {
         [same_kind(s, &before), upright(s, up), same_measure(s, &before, 0.0), linear_still(s)]
             .map(|r| r.is_ok())
     };
@@ -164,7 +164,7 @@ fn remesh_checks_fail_on_spoilt_surfaces() {
     );
     assert!(same_kind(&bow, &before).unwrap_err().contains("two fans"));
 
-    let spoilt = |spoil: &dyn Fn(&mut Sheet)| {
+    let spoilt = |spoil: &dyn Fn(&mut SurfaceMesh)| {
         let mut sheet = good.clone();
         spoil(&mut sheet);
         all(&sheet)
@@ -180,8 +180,9 @@ fn remesh_checks_fail_on_spoilt_surfaces() {
             && !spoilt(&|s| s.rest[3].area_m2 *= 1.0 + 1e-6)[2]
     );
     assert!(!spoilt(&|s| s.frozen[0] = [false; 3])[2]);
-    let seamless =
-        |s: &mut Sheet| s.uvs.as_mut().unwrap().iter_mut().flatten().for_each(|uv| uv.x %= 4.0);
+    let seamless = |s: &mut SurfaceMesh| {
+        s.uvs.as_mut().unwrap().iter_mut().flatten().for_each(|uv| uv.x %= 4.0)
+    };
     assert!(!spoilt(&seamless)[2]);
     assert!(
         !spoilt(&|s| s.channels[2][5] = s.channels[2][5].next_up())[3]

@@ -8,7 +8,7 @@
 
 use std::f64::consts::TAU;
 
-use super::expansion::vertex_normals;
+use crate::growth::expansion::vertex_normals;
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
 use crate::strain::principal_pair;
@@ -308,31 +308,31 @@ pub struct Folds {
 
 /// What was reached of the asked length and area.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reached {
+pub struct RealisedGrowth {
     /// Mean of length over asked length along the growth.
     pub length: f64,
     /// Area over asked area.
     pub area: f64,
 }
 
-/// What the faces for which `counts` says so reached of the metric `asked`; `along` (`[F]`) is a
-/// direction in space along which each face of `start` (`[V]`, m) grows.
-pub fn reached(
+/// Realised share of the metric `asked`. `along` gives the direction in space along which a face of
+/// `start` (`[V]`, m) grows, or none for a face that does not count.
+pub fn realised_growth(
     topology: &Topology,
     start: &[Vec3],
     asked: &RestMetric,
     pose: &[Vec3],
-    along: &[Vec3],
-    counts: impl Fn(usize) -> bool,
-) -> Reached {
+    along: impl Fn(usize) -> Option<Vec3>,
+) -> RealisedGrowth {
     let (mut length, mut area, mut weight) = (0.0, 0.0, 0.0);
-    for f in (0..topology.face_count()).filter(|&f| counts(f)) {
+    for f in 0..topology.face_count() {
+        let Some(along) = along(f) else { continue };
         let [a, b, c] = topology.faces[f].map(|v| start[v]);
         let (u, v) = (b - a, c - a);
         // Barycentric components of the direction within the face.
         let gram = Mat2::new(u.norm_squared(), u.dot(&v), u.dot(&v), v.norm_squared());
         let Some(inverse) = gram.try_inverse() else { continue };
-        let part = inverse * Vec2::new(u.dot(&along[f]), v.dot(&along[f]));
+        let part = inverse * Vec2::new(u.dot(&along), v.dot(&along));
         let [p, q, r] = topology.faces[f].map(|v| pose[v]);
         let [e, g] = asked.faces[f].edges();
         let share = asked.faces[f].area_m2;
@@ -341,7 +341,7 @@ pub fn reached(
         area += 0.5 * (q - p).cross(&(r - p)).norm();
         weight += share;
     }
-    Reached { length: length / weight, area: area / weight }
+    RealisedGrowth { length: length / weight, area: area / weight }
 }
 
 #[cfg(test)]
@@ -447,7 +447,7 @@ mod tests {
         )
         .unwrap();
         let pose = start.map(|p| Vec3::new(1.5 * p.x, p.y, 0.0));
-        let reached = reached(&topology, &start, &asked, &pose, &[Vec3::x(); 2], |_| true);
+        let reached = realised_growth(&topology, &start, &asked, &pose, |_| Some(Vec3::x()));
         assert!((reached.length - 0.75).abs() < 1e-12 && (reached.area - 0.75).abs() < 1e-12);
     }
 

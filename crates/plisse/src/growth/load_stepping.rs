@@ -17,9 +17,9 @@
 
 use web_time::Instant;
 
+use super::equilibrate::{Effort, Prepared};
 use super::expansion::scale_edges;
-use super::growing::Growing;
-use super::settle::{Effort, Prepared};
+use super::surface::Growing;
 use crate::Result;
 use crate::linalg::Ending;
 use crate::mesh::{Topology, Vec3};

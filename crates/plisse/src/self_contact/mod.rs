@@ -11,8 +11,8 @@
 //! The thickness of a pair is at most half its distance on the starting surface: nothing is in
 //! contact before it grows.
 
-mod advance;
-mod near;
+mod additive_ccd;
+mod distance;
 
 use std::ops::Range;
 
@@ -23,8 +23,8 @@ use rayon::prelude::*;
 
 use crate::mesh::{Topology, Vec3};
 use crate::shell::contact::barrier;
-use advance::advance;
-use near::{Near, Pair};
+use additive_ccd::advance;
+use distance::{Near, Pair};
 
 /// Faces or pairs a thread takes at once.
 const CHUNK: usize = 256;
@@ -41,22 +41,22 @@ const FEW: usize = 8;
 /// Gradient (N) and a positive semidefinite part of the Hessian (N/m) of one pair:
 /// `bend`·slope·slopeᵀ.
 #[derive(Clone, Debug)]
-pub(super) struct Touch {
+pub(crate) struct Touch {
     /// Vertices.
-    pub(super) vertices: [usize; 4],
+    pub(crate) vertices: [usize; 4],
     /// ∂energy/∂x of each vertex.
-    pub(super) gradient: [Vec3; 4],
+    pub(crate) gradient: [Vec3; 4],
     /// ∂d/∂x of each vertex.
-    pub(super) slope: [Vec3; 4],
-    pub(super) bend: f64,
+    pub(crate) slope: [Vec3; 4],
+    pub(crate) bend: f64,
     /// Whether the matrix has no room for its couplings yet: a bound of the Hessian that couples
     /// nothing stands for it.
-    pub(super) loose: bool,
+    pub(crate) loose: bool,
 }
 
 /// The contact of a surface with itself.
 #[derive(Clone, Debug)]
-pub(super) struct SelfContact<'a> {
+pub(crate) struct SelfContact<'a> {
     topology: &'a Topology,
     start: &'a [Vec3],
     /// `[V]` pressure times a quarter of the starting area (N).
@@ -78,7 +78,7 @@ impl<'a> SelfContact<'a> {
     /// Contact within `thickness_m` of the surface that starts at `start` (`[V]`, m).
     /// `strength_newton` (`[V]`) is the pressure times area with which each vertex is pushed away;
     /// no vertex moves more than `longest_m` in a step.
-    pub(super) fn new(
+    pub(crate) fn new(
         topology: &'a Topology,
         start: &'a [Vec3],
         thickness_m: f64,
@@ -104,7 +104,7 @@ impl<'a> SelfContact<'a> {
     }
 
     /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
-    pub(super) fn look(&mut self, pose: &[Vec3]) {
+    pub(crate) fn look(&mut self, pose: &[Vec3]) {
         self.list(pose);
         let near =
             |(pair, distance): &(Pair, f64)| self.ahead(pair, *distance, 0.0).then_some(*pair);
@@ -116,7 +116,7 @@ impl<'a> SelfContact<'a> {
     ///
     /// Where no vertex goes farther than the list foresaw, pairs are those listed; around the
     /// others they are looked for.
-    pub(super) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
+    pub(crate) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
         let most = moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         let part = if most > self.longest_m { self.longest_m / most } else { 1.0 };
         let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
@@ -311,7 +311,7 @@ impl<'a> SelfContact<'a> {
     }
 
     /// Energy (J) at `pose` (`[V]`, m).
-    pub(super) fn energy(&self, pose: &[Vec3]) -> f64 {
+    pub(crate) fn energy(&self, pose: &[Vec3]) -> f64 {
         let of_pair = |pair: &Pair| {
             let x = pair.vertices().map(|v| pose[v]);
             self.in_touch(pair, x).map_or(0.0, |(near, thickness_m, strength)| {
@@ -330,7 +330,7 @@ impl<'a> SelfContact<'a> {
     }
 
     /// What touches at `pose` (`[V]`, m).
-    pub(super) fn touches(&self, pose: &[Vec3]) -> Vec<Touch> {
+    pub(crate) fn touches(&self, pose: &[Vec3]) -> Vec<Touch> {
         let of_pair = |pair: &Pair| {
             let vertices = pair.vertices();
             let x = vertices.map(|v| pose[v]);
@@ -349,7 +349,7 @@ impl<'a> SelfContact<'a> {
     }
 
     /// The vertices of all pairs that touch at `pose` (`[V]`, m) or soon may.
-    pub(super) fn soon(&self, pose: &[Vec3]) -> Vec<[usize; 4]> {
+    pub(crate) fn soon(&self, pose: &[Vec3]) -> Vec<[usize; 4]> {
         let near = |pair: &Pair| self.near(pair, pose, 0.0).then(|| pair.vertices());
         self.candidates.par_iter().with_min_len(CHUNK).filter_map(near).collect()
     }

@@ -1,7 +1,7 @@
 //! A vertex taken out by drawing it onto a neighbour.
 
-use super::laid;
 use super::patch::{Fan, Patch, flat_angle};
+use super::unfold;
 use crate::mesh::Vec2;
 use crate::rest::RestFace;
 
@@ -96,7 +96,7 @@ impl Patch {
         let spoke = |i: usize| {
             let next = (0..n).find(|&s| beside(s) && (rim[s] == rim[i] || rim[s + 1] == rim[i]));
             match next {
-                Some(s) => laid::side(&self.sheet.rest[fan.faces[s].0], (fan.faces[s].1 + 1) % 3),
+                Some(s) => unfold::side(&self.sheet.rest[fan.faces[s].0], (fan.faces[s].1 + 1) % 3),
                 None => (places[i] - places[at_u]).norm(),
             }
         };
@@ -109,11 +109,11 @@ impl Patch {
                 continue;
             }
             let (a, b) = (places[i] - places[at_u], places[i + 1] - places[at_u]);
-            let outer = laid::side(face, (k + 1) % 3);
+            let outer = unfold::side(face, (k + 1) % 3);
             if a.perp(&b) < FLATTEST * outer.max(a.norm()).max(b.norm()).powi(2) {
                 return None;
             }
-            let turned = laid::metric_of_sides(spoke(i), spoke(i + 1), outer)?;
+            let turned = unfold::metric_of_sides(spoke(i), spoke(i + 1), outer)?;
             plan.area_change_m2 += turned.area_m2;
             let metric = turn(&turned, k);
             plan.kept.push((f, k, metric));
@@ -191,7 +191,7 @@ impl Patch {
     fn lay_out(&self, fan: &Fan, flatness: f64) -> Option<Vec<Vec2>> {
         let rest = |i: usize| &self.sheet.rest[fan.faces[i].0];
         let angles: Vec<f64> =
-            fan.faces.iter().map(|&(f, k)| laid::angle(&self.sheet.rest[f], k)).collect();
+            fan.faces.iter().map(|&(f, k)| unfold::angle(&self.sheet.rest[f], k)).collect();
         let (sum, flat) = (angles.iter().sum::<f64>(), flat_angle(fan.closed));
         if (sum - flat).abs() > if fan.closed { flatness } else { flatness.min(STRAIGHT) } {
             return None;
@@ -200,7 +200,8 @@ impl Patch {
         let mut places = Vec::with_capacity(angles.len() + 1);
         for (i, angle) in angles.iter().enumerate() {
             places.push(
-                Vec2::new(f64::cos(turned), f64::sin(turned)) * laid::side(rest(i), fan.faces[i].1),
+                Vec2::new(f64::cos(turned), f64::sin(turned))
+                    * unfold::side(rest(i), fan.faces[i].1),
             );
             turned += angle * (flat / sum);
         }
@@ -208,7 +209,7 @@ impl Patch {
         let end = if fan.closed {
             places[0]
         } else {
-            Vec2::new(-laid::side(rest(last), (fan.faces[last].1 + 2) % 3), 0.0)
+            Vec2::new(-unfold::side(rest(last), (fan.faces[last].1 + 2) % 3), 0.0)
         };
         places.push(end);
         Some(places)
@@ -242,6 +243,6 @@ fn turn(face: &RestFace, k: usize) -> RestFace {
     if k == 0 {
         return *face;
     }
-    let p = laid::corners(face);
-    laid::metric([0, 1, 2].map(|n| p[(n + 3 - k) % 3]))
+    let p = unfold::corners(face);
+    unfold::metric([0, 1, 2].map(|n| p[(n + 3 - k) % 3]))
 }

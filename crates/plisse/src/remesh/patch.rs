@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{Curving, Maps, Sheet, laid};
+use super::{IndexMaps, MidpointPlacement, SurfaceMesh, unfold};
 use crate::mesh::Vec3;
 
 /// Least cosine between the normals of a face before and after it is changed.
@@ -11,7 +11,7 @@ const LEAST_COSINE: f64 = 0.5;
 /// The surface with its holes: numbers of faces and vertices never change here, new ones are
 /// appended, dead ones are marked.
 pub(super) struct Patch {
-    pub(super) sheet: Sheet,
+    pub(super) sheet: SurfaceMesh,
     /// `[V]` faces around each vertex, in no order; empty: the vertex is dead.
     pub(super) around: Vec<Vec<usize>>,
     /// `[F]` whether the face may be changed.
@@ -23,7 +23,7 @@ pub(super) struct Patch {
     /// Vertices that live.
     pub(super) living: usize,
     /// Where new vertices go.
-    pub(super) curving: Curving,
+    pub(super) midpoints: MidpointPlacement,
 }
 
 /// The faces on an edge from `a` to `b`: `(face, corner at which the edge begins)` of the one that
@@ -48,7 +48,7 @@ pub(super) struct Fan {
 }
 
 impl Patch {
-    pub(super) fn new(sheet: Sheet, active: &[bool]) -> Self {
+    pub(super) fn new(sheet: SurfaceMesh, active: &[bool]) -> Self {
         let mut around = vec![Vec::new(); sheet.positions.len()];
         for (f, face) in sheet.faces.iter().enumerate() {
             for &v in face {
@@ -63,7 +63,7 @@ impl Patch {
             active: active.to_vec(),
             dead: vec![false; n],
             changed: vec![false; n],
-            curving: Curving::Flat,
+            midpoints: MidpointPlacement::Flat,
         }
     }
 
@@ -136,7 +136,7 @@ impl Patch {
     /// Rest length (m) of the edge on `faces`: the mean of both sides.
     pub(super) fn length(&self, faces: &EdgeFaces) -> f64 {
         let (sum, count) = faces.iter().fold((0.0, 0.0), |(sum, n), (f, k)| {
-            (sum + laid::side(&self.sheet.rest[f], k), n + 1.0)
+            (sum + unfold::side(&self.sheet.rest[f], k), n + 1.0)
         });
         sum / count
     }
@@ -150,7 +150,10 @@ impl Patch {
             .as_ref()
             .is_some_and(|uv| uv[f][k] != uv[g][(l + 1) % 3] || uv[f][(k + 1) % 3] != uv[g][l]);
         uv_seam
-            || !laid::agree(laid::side(&self.sheet.rest[f], k), laid::side(&self.sheet.rest[g], l))
+            || !unfold::agree(
+                unfold::side(&self.sheet.rest[f], k),
+                unfold::side(&self.sheet.rest[g], l),
+            )
     }
 
     /// The axes along which an edge is frozen as a whole. Not where it joins two places of the
@@ -253,23 +256,27 @@ impl Patch {
     }
 
     /// Fills the holes that dead ones left with the last ones: everyone else keeps its number.
-    pub(super) fn finish(mut self, old_vertices: usize, old_faces: usize) -> (Sheet, Maps) {
+    pub(super) fn finish(
+        mut self,
+        old_vertices: usize,
+        old_faces: usize,
+    ) -> (SurfaceMesh, IndexMaps) {
         let vertex_alive: Vec<bool> = self.around.iter().map(|faces| !faces.is_empty()).collect();
         let face_alive: Vec<bool> = self.dead.iter().map(|dead| !dead).collect();
-        let (to_vertex, to_face) = (fill(&vertex_alive), fill(&face_alive));
+        let (to_vertex, to_face) = (compact_numbers(&vertex_alive), compact_numbers(&face_alive));
         let sheet = &mut self.sheet;
-        settle(&mut sheet.positions, &to_vertex);
-        settle(&mut sheet.start, &to_vertex);
-        settle(&mut sheet.frozen, &to_vertex);
-        sheet.channels.iter_mut().for_each(|channel| settle(channel, &to_vertex));
-        settle(&mut sheet.faces, &to_face);
-        settle(&mut sheet.rest, &to_face);
-        settle(&mut self.changed, &to_face);
-        sheet.uvs.iter_mut().for_each(|uvs| settle(uvs, &to_face));
+        renumber(&mut sheet.positions, &to_vertex);
+        renumber(&mut sheet.start, &to_vertex);
+        renumber(&mut sheet.frozen, &to_vertex);
+        sheet.channels.iter_mut().for_each(|channel| renumber(channel, &to_vertex));
+        renumber(&mut sheet.faces, &to_face);
+        renumber(&mut sheet.rest, &to_face);
+        renumber(&mut self.changed, &to_face);
+        sheet.uvs.iter_mut().for_each(|uvs| renumber(uvs, &to_face));
         for v in sheet.faces.iter_mut().flatten() {
             *v = to_vertex[*v].expect("living faces have living corners");
         }
-        let maps = Maps {
+        let maps = IndexMaps {
             vertices: to_vertex[..old_vertices].to_vec(),
             faces: to_face[..old_faces].to_vec(),
             changed: self.changed,
@@ -279,7 +286,7 @@ impl Patch {
 }
 
 /// New number of each: the last living ones go where dead ones were, from the front.
-fn fill(alive: &[bool]) -> Vec<Option<usize>> {
+fn compact_numbers(alive: &[bool]) -> Vec<Option<usize>> {
     let count = alive.iter().filter(|&&a| a).count();
     let mut holes = (0..count).filter(|&n| !alive[n]);
     let place = |n: usize| {
@@ -290,7 +297,7 @@ fn fill(alive: &[bool]) -> Vec<Option<usize>> {
     (0..alive.len()).map(place).collect()
 }
 
-fn settle<T: Clone>(list: &mut Vec<T>, to: &[Option<usize>]) {
+fn renumber<T: Clone>(list: &mut Vec<T>, to: &[Option<usize>]) {
     let count = to.iter().flatten().count();
     for (n, place) in to.iter().enumerate().skip(count) {
         if let Some(place) = place {

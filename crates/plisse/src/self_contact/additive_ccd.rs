@@ -2,7 +2,7 @@
 //! which lets nothing through, however thin (Li, Kaufman & Jiang 2021, *Codimensional Incremental
 //! Potential Contact*, section 5).
 
-use super::near::Pair;
+use super::distance::Pair;
 use crate::mesh::Vec3;
 
 /// Part of its distance that a pair keeps in one step.

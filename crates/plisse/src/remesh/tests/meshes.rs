@@ -1,7 +1,7 @@
 //! Meshes to try remeshing on. All coordinates are multiples of 2⁻²⁰, so that middles, and linear
 //! functions of them, are exact.
 
-use super::super::Sheet;
+use super::super::SurfaceMesh;
 use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::{Vec2, Vec3};
 use crate::rest::RestMetric;
@@ -37,12 +37,12 @@ pub(super) fn linear(p: &Vec3) -> f64 {
 }
 
 /// A sheet at rest, with a linear channel 2 beside λ = 1 m and a growth of 1.
-pub(super) fn sheet(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> Sheet {
+pub(super) fn sheet(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> SurfaceMesh {
     let positions: Vec<Vec3> = positions.into_iter().map(round).collect();
     let rest = RestMetric::from_shape("test", &positions, &faces).unwrap().faces;
     let n = positions.len();
     let channels = vec![vec![1.0; n], vec![1.0; n], positions.iter().map(linear).collect()];
-    Sheet {
+    SurfaceMesh {
         faces,
         rest,
         start: positions.clone(),
@@ -55,7 +55,7 @@ pub(super) fn sheet(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> Sheet {
 
 /// The unit sphere: an octahedron whose faces are divided in `n`² parts, shaken by `jitter` of an
 /// edge.
-pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> Sheet {
+pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> SurfaceMesh {
     let axis = |k: usize, s: f64| Vec3::ith(k, s);
     let mut positions: Vec<Vec3> = Vec::new();
     let mut faces = Vec::new();
@@ -93,7 +93,7 @@ pub(super) fn sphere(n: usize, jitter: f64, random: &mut Random) -> Sheet {
 }
 
 /// A torus of radii 1 m and 0.4 m, `n` by `m` cells, shaken.
-pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> Sheet {
+pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> SurfaceMesh {
     let mut positions = Vec::new();
     let mut faces = Vec::new();
     for i in 0..n {
@@ -112,14 +112,14 @@ pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> She
 }
 
 /// An irregular unit square of edges about `edge` (m).
-pub(super) fn square(edge: f64, seed: u64) -> Sheet {
+pub(super) fn square(edge: f64, seed: u64) -> SurfaceMesh {
     let panel = Panel::new("test", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, edge, seed)
         .unwrap();
     sheet(panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), panel.faces)
 }
 
 /// An irregular annulus: a boundary of two loops.
-pub(super) fn annulus(edge: f64, seed: u64) -> Sheet {
+pub(super) fn annulus(edge: f64, seed: u64) -> SurfaceMesh {
     let panel = Panel::new(
         "test",
         &Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 },
@@ -132,7 +132,7 @@ pub(super) fn annulus(edge: f64, seed: u64) -> Sheet {
 
 /// Texture places in two islands: faces whose middle is left of x = 0.5 m lie elsewhere than the
 /// others.
-pub(super) fn with_seam(mut sheet: Sheet) -> Sheet {
+pub(super) fn with_seam(mut sheet: SurfaceMesh) -> SurfaceMesh {
     let uv = |face: &[usize; 3]| {
         let middle = face.iter().map(|&v| sheet.start[v].x).sum::<f64>() / 3.0;
         let shift = if middle < 0.5 { 0.0 } else { 4.0 };

@@ -1,7 +1,7 @@
 //! An edge swapped for the other diagonal of its two faces.
 
-use super::laid;
 use super::patch::Patch;
+use super::unfold;
 use crate::mesh::Vec2;
 
 /// Sum of the cotangents opposite an edge below which it is not Delaunay (0 but for rounding).
@@ -15,7 +15,8 @@ impl Patch {
     pub(super) fn wants_swap(&self, a: usize, b: usize) -> bool {
         let faces = self.edge_faces(a, b);
         let (Some((f, k)), Some((g, l))) = (faces.forth, faces.back) else { return false };
-        laid::cotangent_over(&self.sheet.rest[f], k) + laid::cotangent_over(&self.sheet.rest[g], l)
+        unfold::cotangent_over(&self.sheet.rest[f], k)
+            + unfold::cotangent_over(&self.sheet.rest[g], l)
             < DELAUNAY
     }
 
@@ -38,7 +39,7 @@ impl Patch {
             return None;
         }
         let ((length, above), (same, below)) =
-            (laid::over_side(&self.sheet.rest[f], k), laid::over_side(&self.sheet.rest[g], l));
+            (unfold::over_side(&self.sheet.rest[f], k), unfold::over_side(&self.sheet.rest[g], l));
         // a at the origin, b on the x axis; the other face is turned by half a turn.
         let length = 0.5 * (length + same);
         let (pa, pb, pc, pd) =
@@ -62,8 +63,8 @@ impl Patch {
             }
             (uvs[f], uvs[g]) = ([ta, td, tc], [td, tb, tc]);
         }
-        self.sheet.rest[f] = laid::metric([pa, pd, pc]);
-        self.sheet.rest[g] = laid::metric([pd, pb, pc]);
+        self.sheet.rest[f] = unfold::metric([pa, pd, pc]);
+        self.sheet.rest[g] = unfold::metric([pd, pb, pc]);
         [self.sheet.faces[f], self.sheet.faces[g]] = new;
         (self.changed[f], self.changed[g]) = (true, true);
         self.detach(f, b);

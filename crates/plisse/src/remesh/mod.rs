@@ -7,18 +7,18 @@
 //! the rest metric is curved there, and is refused where that is too much
 //! ([`RemeshOptions::flatness`], [`RemeshOptions::area_tolerance`]).
 //!
-//! New vertices lie in the middle of edges, unless [`Curving`] says otherwise, and those taken out
+//! New vertices lie in the middle of edges, unless [`MidpointPlacement`] says otherwise, and those taken out
 //! are drawn onto neighbours, so whatever is linear over the surface stays so. Seams of the
 //! texture, frozen regions and the boundary keep their course.
 
 mod collapse;
 mod driver;
-mod laid;
 mod patch;
 mod split;
 mod swap;
 #[cfg(test)]
 mod tests;
+mod unfold;
 
 use patch::Patch;
 
@@ -28,7 +28,7 @@ use crate::{Error, Result};
 
 /// A surface and all it carries through remeshing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sheet {
+pub struct SurfaceMesh {
     /// `[F][3]` vertices of each face.
     pub faces: Vec<[usize; 3]>,
     /// `[F]` rest metric.
@@ -75,13 +75,13 @@ pub struct RemeshOptions {
     /// No more passes than this.
     pub most_passes: usize,
     /// Where new vertices go.
-    pub curving: Curving,
+    pub midpoints: MidpointPlacement,
 }
 
 /// Where a new vertex goes. Rest lengths and all else that is carried are linear along edges
 /// whatever this is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curving {
+pub enum MidpointPlacement {
     /// Into the middle of its edge, in the pose and at the start.
     Flat,
     /// At the start into the middle; in the pose to where folds curve, by the normals at the edge's
@@ -106,7 +106,7 @@ impl RemeshOptions {
             area_tolerance: 1e-3,
             most_vertices: 200_000,
             most_passes: 40,
-            curving: Curving::Flat,
+            midpoints: MidpointPlacement::Flat,
         }
     }
 }
@@ -114,7 +114,7 @@ impl RemeshOptions {
 /// Where the old vertices and faces went. Those that are untouched keep their numbers, except that
 /// the last ones fill holes if the surface ends up with fewer.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Maps {
+pub struct IndexMaps {
     /// `[old V]` new number of each vertex; none if it was taken out. Vertices that are left never
     /// change.
     pub vertices: Vec<Option<usize>>,
@@ -133,11 +133,11 @@ pub struct RemeshReport {
     pub swaps: usize,
     /// Edges collapsed.
     pub collapses: usize,
-    /// Passes, the last of which changed nothing if [`RemeshReport::settled`].
+    /// Passes, the last of which changed nothing if [`RemeshReport::converged`].
     pub passes: usize,
     /// Whether another call with the same options would change nothing (but for collapses for which
     /// no area was left).
-    pub settled: bool,
+    pub converged: bool,
     /// Whether edges stayed too long for want of vertices.
     pub limited: bool,
     /// Change (m²) of the total rest area, but for rounding.
@@ -156,9 +156,9 @@ impl RemeshReport {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remeshed {
     /// The surface.
-    pub sheet: Sheet,
+    pub sheet: SurfaceMesh,
     /// Where vertices and faces went.
-    pub maps: Maps,
+    pub maps: IndexMaps,
     /// What was done.
     pub report: RemeshReport,
 }
@@ -172,12 +172,12 @@ pub struct Remeshed {
 /// # Errors
 /// [`Error::Mesh`] for a surface that is no manifold where it is active, or whose parts do not fit together; [`Error::Value`] for options
 /// out of range.
-pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<Remeshed> {
+pub fn remesh(sheet: SurfaceMesh, active: &[bool], options: &RemeshOptions) -> Result<Remeshed> {
     check(&sheet, active)?;
     check_options(&sheet, options)?;
     let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
     let mut patch = Patch::new(sheet, active);
-    patch.curving = options.curving;
+    patch.midpoints = options.midpoints;
     // The whole connectivity takes longer than a small change; it is looked at only to say what is
     // wrong.
     if !patch.is_sound() {
@@ -197,7 +197,7 @@ pub fn remesh(sheet: Sheet, active: &[bool], options: &RemeshOptions) -> Result<
 ///
 /// # Errors
 /// As [`remesh`].
-pub fn edge_ratios(sheet: &Sheet, options: &RemeshOptions) -> Result<Vec<f64>> {
+pub fn edge_ratios(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<Vec<f64>> {
     check(sheet, &vec![true; sheet.faces.len()])?;
     check_options(sheet, options)?;
     let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces.clone())?;
@@ -208,7 +208,7 @@ pub fn edge_ratios(sheet: &Sheet, options: &RemeshOptions) -> Result<Vec<f64>> {
     Ok(topology.edges.iter().map(ratio).collect())
 }
 
-fn check(sheet: &Sheet, active: &[bool]) -> Result<()> {
+fn check(sheet: &SurfaceMesh, active: &[bool]) -> Result<()> {
     let (n, m) = (sheet.positions.len(), sheet.faces.len());
     if let Some(f) = sheet.faces.iter().position(|face| face.iter().any(|&v| v >= n)) {
         return Err(Error::mesh(
@@ -252,7 +252,7 @@ fn check(sheet: &Sheet, active: &[bool]) -> Result<()> {
     Ok(())
 }
 
-fn check_options(sheet: &Sheet, options: &RemeshOptions) -> Result<()> {
+fn check_options(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<()> {
     let positive = [
         ("edges_per_wave", options.edges_per_wave),
         ("longest_m", options.longest_m),

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::collapse::Tolerances;
 use super::patch::Patch;
-use super::{RemeshOptions, RemeshReport, laid};
+use super::{RemeshOptions, RemeshReport, unfold};
 use crate::mesh::Vec3;
 
 /// Lengths over asked ones above which edges are split.
@@ -37,7 +37,7 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
         collapse_all(patch, options, budget, &mut report);
         swap_all(patch, &mut report);
         if report.changes() == before {
-            report.settled = true;
+            report.converged = true;
             break;
         }
     }
@@ -71,7 +71,7 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
             let (a, b) = (face[k], face[(k + 1) % 3]);
             asked[a] = base(a);
             normals[a].get_or_insert_with(|| patch.normal(a));
-            let length = laid::side(&patch.sheet.rest[f], k);
+            let length = unfold::side(&patch.sheet.rest[f], k);
             sides.push((a, b, length));
             if !all_active && patch.edge_faces(a, b).back.is_some_and(|(g, _)| !patch.active[g]) {
                 fixed[a] = fixed[a].max(length);
