@@ -12,7 +12,7 @@ use plisse::mesh::grid::{Diagonal, grid};
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::picture::{Axis, Camera, Paint, PanelView, Subject, draw, write_png};
 use plisse::progress::Silent;
-use plisse::relief::{Relief, Window, offsets_m, reached};
+use plisse::relief::{Relief, Window, offsets_m, realised_growth};
 use plisse::rest::RestMetric;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;

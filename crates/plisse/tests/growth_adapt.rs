@@ -8,7 +8,7 @@ use plisse::growth::{
 };
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
-use plisse::relief::{Relief, Window, offsets_m, reached};
+use plisse::relief::{Relief, Window, offsets_m, realised_growth};
 use plisse::rest::RestMetric;
 use sheets::Sheet;
 

@@ -14,7 +14,7 @@ use plisse::mesh::crossing::crossing_pairs;
 use plisse::mesh::{Vec2, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::progress::Silent;
-use plisse::relief::{RealisedGrowth, Relief, Window, offsets_m, reached};
+use plisse::relief::{RealisedGrowth, Relief, Window, offsets_m, realised_growth};
 use plisse::shell::Loads;
 
 use sheets::Sheet;
