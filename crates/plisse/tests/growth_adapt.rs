@@ -177,7 +177,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
 
 #[test]
 fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
-    use plisse::remesh::{MidpointPlacement, RemeshOptions, Sheet as Carried, remesh};
+    use plisse::remesh::{MidpointPlacement, RemeshOptions, SurfaceMesh, remesh};
     // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are
     // beside them.
     let wave = |p: &Vec3| 0.02 * (std::f64::consts::TAU * p.x / 0.2).sin();
@@ -188,7 +188,7 @@ fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
                   midpoints: MidpointPlacement,
                   away: &dyn Fn(&Vec3, &Vec3) -> f64| {
         let n = pose.len();
-        let carried = Carried {
+        let carried = SurfaceMesh {
             faces: sheet.topology.faces.clone(),
             rest: sheet.rest.faces.clone(),
             positions: pose,
