@@ -6,7 +6,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::field::curvature::vertex_normals;
 use plisse::growth::adapt::{AdaptReport, MeshStage};
 use plisse::growth::reference::{LevelReport, grow_by_forces_each};
 use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapting, grow_each};
@@ -14,6 +13,8 @@ use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
+use plisse::mesh::normals::vertex_normals;
+use plisse::picture::CLOTH;
 use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::relief::offsets_m;
@@ -21,7 +22,6 @@ use plisse::rest::RestMetric;
 use plisse::scene::growth::Mode;
 use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
-use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result};
 
 use crate::Done;

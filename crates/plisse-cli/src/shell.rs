@@ -4,16 +4,16 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::field::curvature::vertex_normals;
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
+use plisse::mesh::normals::vertex_normals;
+use plisse::picture::CLOTH;
 use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{Built, Measured, Scene};
 use plisse::shell::{ReferenceOptions, ReferenceReport, solve_reference};
 use plisse::strain::strain;
-use plisse::wrinkled::CLOTH;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 

@@ -3,14 +3,14 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use plisse::Result;
-use plisse::bake::islands::panel_texture;
 use plisse::field::FieldOptions;
 use plisse::io::clamp_file::read_clamped_vertices;
 use plisse::io::worn;
 use plisse::material::Material;
+use plisse::mesh::islands::panel_texture;
 use plisse::rest::RestMetric;
 use plisse::wrinkled::Posed;
+use plisse::{At, Result};
 
 use crate::Done;
 use crate::arguments::WrinkleArguments;
@@ -23,11 +23,8 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };
     leave_out(&mut field, &arguments.output.without)?;
     let worn = worn::read(&arguments.pose, worn::Rest::File(&arguments.rest), 1.0)?;
-    let metric = RestMetric::from_shape(
-        &arguments.rest.display().to_string(),
-        &worn.rest_positions,
-        &worn.rest_faces,
-    )?;
+    let metric =
+        RestMetric::from_shape(&worn.rest_positions, &worn.rest_faces).at(&arguments.rest)?;
     let topology = &worn.topology;
     let mut held = vec![false; topology.vertex_count];
     if let Some(path) = &arguments.clamp {

@@ -8,9 +8,9 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use plisse::Result;
 use plisse::field::WrinkleField;
 use plisse::mesh::Topology;
+use plisse::{At, Result};
 
 use crate::Vec3;
 use crate::crush::Crushed;
@@ -31,13 +31,11 @@ pub struct Waves {
 /// The connectivity of the unified mesh as the library has it.
 ///
 /// # Errors
-/// [`plisse::Error::Mesh`] as [`Topology::new`]: live meshes may have slivers, isolated vertices and edges on three faces, fields may not.
+/// [`plisse::Error::Mesh`] at `place`, as [`Topology::new`]: live meshes may have slivers, isolated
+/// vertices and edges on three faces, fields may not.
 pub fn topology(place: &str, unified: &Unified) -> Result<Topology> {
-    Topology::new(
-        place,
-        unified.count(),
-        unified.faces.iter().map(|f| f.map(|v| v as usize)).collect(),
-    )
+    let faces = unified.faces.iter().map(|f| f.map(|v| v as usize)).collect();
+    Topology::new(unified.count(), faces).at(place)
 }
 
 /// The field of the waves in `crushed` with `phase` (`[U]`, rad) over the posed `positions` (`[U]`,

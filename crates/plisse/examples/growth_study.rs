@@ -28,8 +28,8 @@ impl Square {
     fn new(columns: usize, rows: usize) -> Outcome<Self> {
         let panel = grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising)?;
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("square", start.len(), panel.faces)?;
-        let rest = RestMetric::from_shape("square", &start, &topology.faces)?;
+        let topology = Topology::new(start.len(), panel.faces)?;
+        let rest = RestMetric::from_shape(&start, &topology.faces)?;
         Ok(Self { topology, rest, start })
     }
 

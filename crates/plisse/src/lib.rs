@@ -43,6 +43,7 @@
 //! # Ok::<(), plisse::Error>(())
 //! ```
 
+pub mod adjacency;
 pub mod bake;
 pub mod error;
 pub mod field;
@@ -54,6 +55,7 @@ pub mod mesh;
 pub mod obstacle;
 pub mod picture;
 pub mod progress;
+pub mod random;
 pub mod relief;
 pub mod remesh;
 pub mod rest;
@@ -64,4 +66,4 @@ pub mod strain;
 pub mod surface;
 pub mod wrinkled;
 
-pub use error::{Error, Result};
+pub use error::{At, Error, Result};

@@ -1,5 +1,6 @@
 //! The material of a thin sheet: isotropic St. Venant–Kirchhoff, plane stress.
 
+use crate::error::SetupError;
 use crate::mesh::Mat2;
 use crate::{Error, Result};
 
@@ -47,16 +48,12 @@ impl Material {
     /// Holds the thickness against a surface of `area_m2` (m²).
     ///
     /// # Errors
-    /// [`Error::Value`] if the surface is no thin sheet: thicker than a square of its area is wide.
+    /// [`SetupError::NotThin`] if the surface is no thin sheet: thicker than a square of its area is wide.
     pub fn check_thin(&self, area_m2: f64) -> Result<()> {
         let width = area_m2.sqrt();
         if self.thickness_m > width {
-            let message = format!(
-                "a sheet {} m thick is thicker than the surface is wide ({width:.3e} m); are all \
-                 lengths in metres?",
-                self.thickness_m
-            );
-            return Err(Error::value("thickness", message));
+            let (thickness_m, width_m) = (self.thickness_m, width);
+            return Err(SetupError::NotThin { thickness_m, width_m }.into());
         }
         Ok(())
     }

@@ -8,11 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use crate::growth::expansion::vertex_normals;
+use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
 use crate::strain::principal_pair;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Wave numbers are looked at in steps of this part of one wave per window.
 const FINENESS: f64 = 0.1;
@@ -22,7 +22,7 @@ const FINENESS: f64 = 0.1;
 /// # Errors
 /// [`Error::Mesh`] if the starting surface has no normal somewhere.
 pub fn offsets_m(topology: &Topology, start: &[Vec3], pose: &[Vec3]) -> Result<Vec<f64>> {
-    let normals = vertex_normals(topology, start)?;
+    let normals = try_vertex_normals(topology, start).at("growth")?;
     Ok(normals.iter().zip(start.iter().zip(pose)).map(|(n, (p, q))| n.dot(&(q - p))).collect())
 }
 
@@ -439,13 +439,10 @@ mod tests {
     #[test]
     fn length_and_area_are_held_against_what_was_asked() {
         let start = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)];
-        let topology = Topology::new("t", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
-        let asked = RestMetric::from_shape(
-            "t",
-            &start.map(|p| Vec3::new(2.0 * p.x, p.y, 0.0)),
-            &topology.faces,
-        )
-        .unwrap();
+        let topology = Topology::new(4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
+        let asked =
+            RestMetric::from_shape(&start.map(|p| Vec3::new(2.0 * p.x, p.y, 0.0)), &topology.faces)
+                .unwrap();
         let pose = start.map(|p| Vec3::new(1.5 * p.x, p.y, 0.0));
         let reached = realised_growth(&topology, &start, &asked, &pose, |_| Some(Vec3::x()));
         assert!((reached.length - 0.75).abs() < 1e-12 && (reached.area - 0.75).abs() < 1e-12);
@@ -454,7 +451,7 @@ mod tests {
     #[test]
     fn a_mesh_is_read_linearly_and_only_where_it_is() {
         let chart = [Vec2::zeros(), Vec2::x(), Vec2::y(), Vec2::new(1.0, 1.0)];
-        let topology = Topology::new("t", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
+        let topology = Topology::new(4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
         let offset: Vec<f64> = chart.iter().map(|p| 2.0 * p.x - p.y).collect();
         let window = Window { low: Vec2::zeros(), high: Vec2::new(1.0, 1.0) };
         let relief = Relief::new(&topology, &chart, &offset, &window, [9, 5]).unwrap();

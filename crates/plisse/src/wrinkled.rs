@@ -2,22 +2,18 @@
 //! `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json`, for everyone who writes them.
 
 use crate::Result;
-use crate::field::curvature::{second_forms, vertex_normals};
+use crate::field::curvature::second_forms;
 use crate::field::{WrinkleField, json};
 use crate::io::aside::OutputFolder;
 use crate::io::{glb, obj};
 use crate::material::Material;
+use crate::mesh::normals::vertex_normals;
 use crate::mesh::subdivide::refine_rest;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::obstacle::Obstacle;
+use crate::picture::CLOTH;
 use crate::rest::RestMetric;
 use crate::surface::{Displacement, Upsampled, displace, keep_out, suggest_levels, upsample};
-
-/// Colour of cloth in GLB files (linear RGBA).
-pub const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
-
-/// Contact thicknesses of a scene that wrinkles stay off its bodies.
-pub const CLEARANCE: f64 = 0.25;
 
 /// A base surface in the pose in which it wrinkles.
 #[derive(Clone, Debug)]

@@ -33,7 +33,7 @@ fn sheet(
         })
         .collect();
     Sheet {
-        topology: Topology::new("sheet", flat.len(), faces).unwrap(),
+        topology: Topology::new(flat.len(), faces).unwrap(),
         positions: flat.iter().map(|p| place(p.x, p.y)).collect(),
         normals: vec![normal; flat.len()],
         uvs: flat.iter().map(|p| texture(p.x, p.y)).collect(),

@@ -109,7 +109,7 @@ fn a_sheet_pulled_both_ways_is_taut() {
     let mut random = Random(2);
     sheet = sheet.posed(|p| p);
     for p in &mut sheet.pose {
-        *p += Vec3::new(random.sign_unit(), random.sign_unit(), random.sign_unit()) * 0.03;
+        *p += Vec3::new(random.signed(), random.signed(), random.signed()) * 0.03;
     }
     let (pose, report) = base(&sheet, &clamps, &BaseOptions::default());
     assert_eq!(report.states, [0, 0, sheet.topology.face_count()]);
@@ -182,7 +182,7 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
     let (mut sheet, clamps) = slack_strip();
     let mut random = Random(12);
     for p in &mut sheet.pose {
-        *p += Vec3::new(random.sign_unit(), random.sign_unit(), 0.0) * 0.035;
+        *p += Vec3::new(random.signed(), random.signed(), 0.0) * 0.035;
     }
     let uneven = |share: f64| {
         let options = BaseOptions { compressive_stiffness: share, ..BaseOptions::default() };

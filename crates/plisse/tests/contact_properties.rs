@@ -55,7 +55,7 @@ fn plate(reach_m: f64, thickness_m: f64) -> Obstacle {
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let faces: Vec<[usize; 3]> =
         quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Obstacle::mesh("plate", "plate", &corners, &faces).unwrap()
+    Obstacle::mesh("plate", &corners, &faces).unwrap()
 }
 
 fn contact<'a>(
@@ -86,9 +86,7 @@ fn a_cloth_drapes_over_balls_and_floors() {
     let (positions, faces) = icosphere(2);
     let positions: Vec<Vec3> = positions.iter().map(|p| p * 0.2).collect();
     let floor = Obstacle::plane("floor", Vec3::new(0.0, 0.0, 0.1), Vec3::z()).unwrap();
-    for obstacle in
-        [ball(0.2), Obstacle::mesh("mesh ball", "ball.obj", &positions, &faces).unwrap(), floor]
-    {
+    for obstacle in [ball(0.2), Obstacle::mesh("mesh ball", &positions, &faces).unwrap(), floor] {
         let obstacles = [obstacle];
         let (sheet, clamps) = square(0.1, 0.25);
         let material = cloth();

@@ -41,11 +41,11 @@ fn torus(n: usize, m: usize) -> (Topology, RestMetric, Vec<Vec3>) {
             let [a, b] = [(v % n) as f64 / n as f64, (v / n) as f64 / m as f64]
                 .map(|t| t * std::f64::consts::TAU);
             let radius = 3.0 + 0.8 * b.cos();
-            let noise = Vec3::new(random.sign_unit(), random.sign_unit(), random.sign_unit());
+            let noise = Vec3::new(random.signed(), random.signed(), random.signed());
             Vec3::new(radius * a.cos(), radius * a.sin(), 0.8 * b.sin()) * 0.4 + noise * 0.05
         })
         .collect();
-    (Topology::new("torus", n * m, faces).unwrap(), RestMetric { faces: rest }, positions)
+    (Topology::new(n * m, faces).unwrap(), RestMetric { faces: rest }, positions)
 }
 
 /// Largest relative errors of gradient and Hessian over a few random states.
@@ -77,7 +77,7 @@ fn worst_errors(
     let mut random = Random(3);
     let mut worst = (0.0_f64, 0.0_f64);
     for _ in 0..3 {
-        let x: Vec<f64> = (0..n).map(|_| 2.0 * random.sign_unit()).collect();
+        let x: Vec<f64> = (0..n).map(|_| 2.0 * random.signed()).collect();
         let (mut gradient, hessian) = derivatives(&mut problem, &x);
         worst.0 = worst.0.max(gradient_error(&x, 1.0, &gradient, |y| problem.energy(y)));
         let at = |problem: &mut FieldProblem<'_>, y: &[f64]| {

@@ -185,12 +185,9 @@ fn growing_by_one_changes_nothing_to_the_bit() {
     );
     let mut growing = square.growing();
     // The rest shape is the starting surface.
-    let rest = plisse::rest::RestMetric::from_shape(
-        "start",
-        &square.sheet.pose,
-        &square.sheet.topology.faces,
-    )
-    .unwrap();
+    let rest =
+        plisse::rest::RestMetric::from_shape(&square.sheet.pose, &square.sheet.topology.faces)
+            .unwrap();
     growing.rest = &rest;
     growing.maps.bias = vec![0.1; growing.maps.bias.len()];
     let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use plisse::bake::{Surface, bake, field_sampler};
-use plisse::field::curvature::vertex_normals;
 use plisse::io::aside::OutputFolder;
 use plisse::io::obj;
 use plisse::mesh::Topology;
-use plisse::{Error, Result};
+use plisse::mesh::normals::vertex_normals;
+use plisse::{At, Error, Result};
 
 use super::{Job, refuse};
 use crate::Done;
@@ -66,7 +66,7 @@ fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<Done> {
     }
     let mesh = obj::read(&mesh_path)?;
     let place = mesh_path.display().to_string();
-    let topology = Topology::new(&place, mesh.positions.len(), mesh.faces)?;
+    let topology = Topology::new(mesh.positions.len(), mesh.faces).at(&place)?;
     let field = plisse::field::json::read(&field_path, &topology)?;
     let Some(uv_faces) = mesh.texture_faces else {
         let message = "its faces have no texture coordinates to bake into; unwrap the mesh that \

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use plisse::At;
 use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
 use plisse::io::{clamp_file, obj};
 use plisse::material::Material;
@@ -297,8 +298,8 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
         let folder = data.join(name);
         let rest_shape = obj::read(&folder.join("rest.obj"))?;
         let pose = obj::read_pose(&folder.join("pose.obj"), &rest_shape)?;
-        let rest = RestMetric::from_shape(name, &rest_shape.positions, &rest_shape.faces)?;
-        let topology = Topology::new(name, pose.positions.len(), pose.faces)?;
+        let rest = RestMetric::from_shape(&rest_shape.positions, &rest_shape.faces).at(name)?;
+        let topology = Topology::new(pose.positions.len(), pose.faces).at(name)?;
         let mut held = vec![false; topology.vertex_count];
         if let Some(file) = clamp {
             for v in clamp_file::read_clamped_vertices(&folder.join(file), topology.vertex_count)? {

@@ -8,7 +8,7 @@ use plisse::bake::{Options, png16};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj, ply};
 use plisse::mesh::{Topology, Vec2, Vec3};
-use plisse::wrinkled::CLOTH;
+use plisse::picture::CLOTH;
 use plisse::{Error, Result};
 use plisse_live::export::{check_size, refine, suggest_parts, write_still};
 use plisse_live::live::{LiveOptions, LiveState};
@@ -198,7 +198,7 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 fn plain(topology: &Topology, positions: &[Vec3]) -> Plain {
-    let normals = plisse::field::curvature::vertex_normals(topology, positions);
+    let normals = plisse::mesh::normals::vertex_normals(topology, positions);
     Plain { positions: positions.to_vec(), normals, faces: topology.faces.clone(), texture: None }
 }
 

@@ -14,7 +14,7 @@ use plisse::rest::RestMetric;
 use plisse::scene::growth::Mode;
 use plisse::scene::{BuiltGrowth, build_growth};
 use plisse::strain::strain;
-use plisse::{Error, Result};
+use plisse::{At, Error, Result};
 use plisse_live::Vec3 as Seen;
 use plisse_live::field::Waves;
 
@@ -208,7 +208,7 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
         None => {
             let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;
             let start: Vec<Vec3> = subject.unified.vertices.positions.iter().map(unshown).collect();
-            let rest = RestMetric::from_shape(&subject.model.name, &start, &topology.faces)?;
+            let rest = RestMetric::from_shape(&start, &topology.faces).at(&subject.model.name)?;
             let count = start.len();
             (topology, rest, start, vec![false; count])
         }

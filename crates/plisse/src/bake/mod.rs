@@ -3,14 +3,12 @@
 //!
 //! [`bake`] rasterises the surface's texture coordinates and asks at each texel's centre for height and gradient; [`field_sampler`]
 //! answers for a [`WrinkleField`](crate::field::WrinkleField), exactly: amplitude and phase are
-//! linear over a face. [`png16`] writes the maps, [`islands`] lays flat panels side by side, so
-//! that they can be baked into one picture.
+//! linear over a face. [`png16`] writes the maps.
 //!
 //! Conventions: v points up and row 0 is at the top, so texel (x, y) of N × N has its centre at u =
 //! (x + ½)/N, v = 1 − (y + ½)/N. Normals are those of glTF and OpenGL: red along u, green along v
 //! (up), blue outwards.
 
-pub mod islands;
 mod padding;
 pub mod png16;
 mod raster;

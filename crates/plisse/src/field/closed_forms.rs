@@ -205,7 +205,7 @@ mod tests {
                 faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
             }
         }
-        Topology::new("grid", columns * rows, faces).unwrap()
+        Topology::new(columns * rows, faces).unwrap()
     }
 
     fn assert_closed(t: &Topology, free: &[bool], forms: &ClosedForms) {

@@ -127,7 +127,7 @@ mod tests {
         let faces: Vec<_> = (0..n)
             .map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] })
             .collect();
-        let topology = Topology::new("strip", n + 2, faces).unwrap();
+        let topology = Topology::new(n + 2, faces).unwrap();
         let positions: Vec<Vec3> = (0..n + 2)
             .map(|i| {
                 let angle = 0.2 * i as f64;

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, SMatrix, SVector};
 use rayon::prelude::*;
 
+use crate::mesh::normals::vertex_normals;
 use crate::mesh::{Mat3, Topology, Vec3};
 
 /// `[F]` second fundamental form (1/m) of the surface at each face, as a symmetric tensor of space:
@@ -38,21 +39,6 @@ pub fn second_forms(topology: &Topology, positions: &[Vec3], rings: usize) -> Ve
             sum / 3.0
         })
         .collect()
-}
-
-/// `[V]` unit normals, faces weighted by area; zero where all faces around are degenerate.
-pub fn vertex_normals(topology: &Topology, positions: &[Vec3]) -> Vec<Vec3> {
-    let mut normals = vec![Vec3::zeros(); topology.vertex_count];
-    for &[i, j, k] in &topology.faces {
-        let n = (positions[j] - positions[i]).cross(&(positions[k] - positions[i]));
-        for v in [i, j, k] {
-            normals[v] += n;
-        }
-    }
-    for n in &mut normals {
-        *n = n.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-    }
-    normals
 }
 
 /// A quadric's second fundamental form at a vertex, and its normal there.
@@ -158,7 +144,7 @@ mod tests {
                 ]
             })
             .collect();
-        (Topology::new("bent", positions.len(), faces).unwrap(), positions)
+        (Topology::new(positions.len(), faces).unwrap(), positions)
     }
 
     #[test]

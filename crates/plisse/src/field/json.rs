@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn every_number_comes_back_bit_for_bit() {
-        let topology = Topology::new("t", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
+        let topology = Topology::new(4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
         let field = WrinkleField {
             amplitude_m: vec![0.0, 1.0 / 3.0, 1e-9, 0.1],
             omega: vec![0.1, -0.2, 0.3, 1e300, std::f64::consts::PI],
@@ -113,7 +113,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("plisse-field-{}.json", std::process::id()));
         std::fs::write(&path, &text).unwrap();
         assert_eq!(read(&path, &topology).unwrap(), field);
-        let other = Topology::new("t", 4, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let other = Topology::new(4, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
         assert!(read(&path, &other).unwrap_err().to_string().contains("another mesh"));
         std::fs::write(&path, "{}").unwrap();
         assert!(read(&path, &topology).is_err());

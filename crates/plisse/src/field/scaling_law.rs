@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(to_segment(Vec3::new(1.0, 3.0, 0.0), segment), 3.0);
         assert_eq!(to_segment(Vec3::new(5.0, 0.0, 4.0), segment), 5.0);
         assert_eq!(to_segment(Vec3::new(0.0, 0.0, 4.0), [Vec3::zeros(); 2]), 4.0);
-        let topology = Topology::new("t", 3, vec![[0, 1, 2]]).unwrap();
+        let topology = Topology::new(3, vec![[0, 1, 2]]).unwrap();
         let positions = [Vec3::zeros(), Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 3.0, 0.0)];
         assert_eq!(distances(&topology, &positions, &[true, true, false]).unwrap(), [1.0]);
         assert!(

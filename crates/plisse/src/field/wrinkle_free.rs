@@ -87,7 +87,7 @@ mod tests {
         let faces = (0..n)
             .map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] })
             .collect();
-        Topology::new("strip", n + 2, faces).unwrap()
+        Topology::new(n + 2, faces).unwrap()
     }
 
     #[test]

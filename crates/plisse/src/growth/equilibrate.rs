@@ -1,6 +1,6 @@
 //! One step of growth: the film of a surface, or of a part of one, brought to rest.
 
-use super::expansion::{Expansion, vertex_normals};
+use super::expansion::Expansion;
 use super::film::{CrestTension, Film, Foundation};
 use super::fold_angle::softening;
 use super::imperfection::band_limited;
@@ -11,11 +11,12 @@ use super::surface::Growing;
 use crate::linalg::newton::{Options, minimise};
 use crate::material::Material;
 use crate::mesh::Vec3;
+use crate::mesh::normals::try_vertex_normals;
 use crate::progress::Observer;
 use crate::rest::RestMetric;
 use crate::self_contact::SelfContact;
 use crate::shell::{Clamps, Setup};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Growth (logarithm) at which imperfections have their full size.
 const FULL_IMPERFECTION: f64 = 0.02;
@@ -162,7 +163,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             clamps.targets[v] =
                 std::array::from_fn(|axis| (still || frozen[axis]).then_some(place[axis]));
         }
-        let surface = RestMetric::from_shape("growth", start, &topology.faces)?;
+        let surface = RestMetric::from_shape(start, &topology.faces).at("growth")?;
         let (area_m2, rough) = match within {
             Some(within) => (within.area_m2.to_vec(), within.rough.to_vec()),
             None => areas_and_imperfections(growing, &surface, options.seed)?,
@@ -171,7 +172,7 @@ impl<'a, 'b> Prepared<'a, 'b> {
             growing,
             options,
             normals: within.map_or_else(
-                || vertex_normals(topology, start),
+                || try_vertex_normals(topology, start).at("growth"),
                 |within| Ok(within.normals.to_vec()),
             )?,
             clamps,

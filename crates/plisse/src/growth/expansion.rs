@@ -6,10 +6,11 @@
 //! √(lᵗτl), so growing by g in all directions is τ = g²·I. Along an edge lᵗτl runs linearly between
 //! the values at its ends, and its root is integrated in closed form.
 
+use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::rest::{RestFace, RestMetric};
 use crate::strain::principal_pair;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Smallest and largest factor by which a length may be asked to grow in one expansion.
 const FACTORS: [f64; 2] = [1e-3, 1e3];
@@ -111,7 +112,7 @@ impl Expansion {
     /// # Errors
     /// [`Error::Mesh`] naming a vertex without a normal, whose faces have no area or fold shut.
     pub fn none(topology: &Topology, positions: &[Vec3]) -> Result<Self> {
-        let normals = vertex_normals(topology, positions)?;
+        let normals = try_vertex_normals(topology, positions).at("growth")?;
         let frame = |normal: &Vec3| {
             let along = any_tangent(normal);
             GrowthTensor { along, across: normal.cross(&along), form: Mat2::identity() }
@@ -162,7 +163,7 @@ impl Expansion {
         directions: &[Vec3],
         tensors: &[Mat2],
     ) -> Result<Self> {
-        let normals = vertex_normals(topology, positions)?;
+        let normals = try_vertex_normals(topology, positions).at("growth")?;
         let vertex = |v: usize| {
             let (normal, form) = (normals[v], tensors[v]);
             check_form(v, &form)?;
@@ -300,37 +301,6 @@ fn check_form(v: usize, form: &Mat2) -> Result<()> {
     Err(Error::value("growth.tensor", message))
 }
 
-/// `[V]` unit normals of the surface `positions` (`[V]`, m): the faces' around each vertex, by
-/// area.
-///
-/// # Errors
-/// [`Error::Mesh`] naming a vertex whose faces have no area or cancel.
-pub fn vertex_normals(topology: &Topology, positions: &[Vec3]) -> Result<Vec<Vec3>> {
-    let mut sums = vec![(Vec3::zeros(), 0.0); topology.vertex_count];
-    for face in &topology.faces {
-        let [a, b, c] = face.map(|v| positions[v]);
-        let normal = (b - a).cross(&(c - a));
-        for &v in face {
-            sums[v].0 += normal;
-            sums[v].1 += normal.norm();
-        }
-    }
-    let unit = |(v, (sum, size)): (usize, &(Vec3, f64))| {
-        let normal =
-            sum.try_normalize(1e-9 * size).filter(|normal| normal.iter().all(|x| x.is_finite()));
-        normal.ok_or_else(|| {
-            Error::mesh(
-                "growth",
-                format!(
-                    "the faces around vertex {v} of the starting surface \
-                have no common normal; move it apart"
-                ),
-            )
-        })
-    };
-    sums.iter().enumerate().map(unit).collect()
-}
-
 /// A unit vector perpendicular to `normal`: along x where that is possible.
 fn any_tangent(normal: &Vec3) -> Vec3 {
     let axis = if normal.x.abs() < 0.9 { Vec3::x() } else { Vec3::y() };
@@ -348,8 +318,8 @@ mod tests {
                 .unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("sheet", positions.len(), panel.faces).unwrap();
-        let rest = RestMetric::from_shape("sheet", &positions, &topology.faces).unwrap();
+        let topology = Topology::new(positions.len(), panel.faces).unwrap();
+        let rest = RestMetric::from_shape(&positions, &topology.faces).unwrap();
         (topology, positions, rest)
     }
 
@@ -380,7 +350,7 @@ mod tests {
             Expansion::from_directions(&topology, &positions, &vec![d * 3.0; n], &vec![2.0; n])
                 .unwrap();
         let mapped: Vec<Vec3> = positions.iter().map(|p| p + d * d.dot(p)).collect();
-        let expected = RestMetric::from_shape("mapped", &mapped, &topology.faces).unwrap();
+        let expected = RestMetric::from_shape(&mapped, &topology.faces).unwrap();
         let grown = expansion.act_on(&topology, &positions, &rest).unwrap();
         for (a, b) in grown.faces.iter().zip(&expected.faces) {
             assert!((a.inverse_root - b.inverse_root).norm() < 1e-11 * b.inverse_root.norm());

@@ -581,8 +581,8 @@ mod tests {
     use super::*;
     use crate::linalg::derivative_check::check_problem;
     use crate::mesh::Topology;
-    use crate::mesh::scatter::Random;
     use crate::obstacle::Obstacle;
+    use crate::random::Random;
     use crate::rest::RestMetric;
     use crate::shell::{Clamps, Loads};
 
@@ -602,9 +602,9 @@ mod tests {
             [4, 3, 5],
             [0, 4, 5],
         ];
-        let topology = Topology::new("octahedron", 6, faces).unwrap();
+        let topology = Topology::new(6, faces).unwrap();
         let grown: Vec<Vec3> = start.iter().map(|p| p * 1.2).collect();
-        let rest = RestMetric::from_shape("octahedron", &grown, &topology.faces).unwrap();
+        let rest = RestMetric::from_shape(&grown, &topology.faces).unwrap();
         let material = Material::new(50.0, 0.3, 0.3).unwrap();
         let mut clamps = Clamps::none(6);
         // One held where it started, one away from there.
@@ -645,8 +645,8 @@ mod tests {
             Vec3::new(1.3, 0.2, 0.9),
             Vec3::new(-0.4, 1.1, 0.6),
         ];
-        let topology = Topology::new("t", 3, vec![[0, 1, 2]]).unwrap();
-        let rest = RestMetric::from_shape("t", &start, &topology.faces).unwrap();
+        let topology = Topology::new(3, vec![[0, 1, 2]]).unwrap();
+        let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();
         let (material, clamps) = (Material::new(1.0, 0.0, 0.01).unwrap(), Clamps::none(3));
         let setup = Setup::new(&topology, &rest, &material, &clamps);
         let foundation = [Foundation {

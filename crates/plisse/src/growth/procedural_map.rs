@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 
 use crate::mesh::Vec3;
-use crate::mesh::scatter::Random;
+use crate::random::Random;
 use crate::{Error, Result};
 
 /// Octaves of fractal noise at most.

@@ -25,18 +25,18 @@
 use std::f64::consts::TAU;
 use web_time::Instant;
 
-use super::expansion::vertex_normals;
 use super::procedural_map::roughness;
 use super::surface::Growing;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::material::Material;
+use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::progress::{Observer, Step};
 use crate::rest::RestMetric;
 use crate::shell::quadratic_bending::QuadraticBending;
 use crate::shell::tension_field::Membrane;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// How the reference mode goes about it.
 #[derive(Clone, Debug)]
@@ -233,7 +233,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         let (topology, start) = (growing.topology, growing.start);
         // Membrane stiffness 1 N/m: the thickness is a formality.
         let material = Material::new(1.0, 0.0, 1.0)?;
-        let surface = RestMetric::from_shape("growth", start, &topology.faces)?;
+        let surface = RestMetric::from_shape(start, &topology.faces).at("growth")?;
         let mut area_m2 = vec![0.0; start.len()];
         let mut cell_m2 = vec![0.0; start.len()];
         for (f, face) in topology.faces.iter().enumerate() {
@@ -327,7 +327,7 @@ impl<'a, 'b> Forces<'a, 'b> {
             sliding,
             offset,
         };
-        let curvature = forces.curvature(start, &vertex_normals(topology, start)?);
+        let curvature = forces.curvature(start, &try_vertex_normals(topology, start).at("growth")?);
         let smoothed = forces.smoothed(&curvature);
         forces.start_curvature = curvature.into_iter().zip(smoothed).map(|(a, b)| [a, b]).collect();
         Ok(forces)
@@ -356,7 +356,7 @@ impl<'a, 'b> Forces<'a, 'b> {
     /// One step of time; returns the largest force per area, over k_p.
     fn step(&mut self, pose: &mut [Vec3]) -> Result<f64> {
         let topology: &Topology = self.growing.topology;
-        let normals = vertex_normals(topology, pose).map_err(|_| {
+        let normals = try_vertex_normals(topology, pose).map_err(|_| {
             Error::numeric(
                 "grow",
                 "the reference mode diverged; take smaller time \
@@ -473,8 +473,8 @@ mod tests {
         let panel =
             grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("square", start.len(), panel.faces).unwrap();
-        let rest = RestMetric::from_shape("square", &start, &topology.faces).unwrap();
+        let topology = Topology::new(start.len(), panel.faces).unwrap();
+        let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();
         (topology, rest, start)
     }
 

@@ -440,8 +440,8 @@ mod tests {
     use super::*;
     use crate::linalg::derivative_check::check_problem;
     use crate::linalg::newton::{Options, minimise};
-    use crate::mesh::scatter::Random;
     use crate::progress::Silent;
+    use crate::random::Random;
 
     /// Springs without rest length between all vertices, and one to a place for each, of unlike
     /// strength.

@@ -8,9 +8,10 @@
 use std::path::Path;
 
 use super::obj;
+use crate::error::MeshError;
 use crate::mesh::check::{check_rest_faces, weld};
 use crate::mesh::{Topology, Vec2, Vec3};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Where the rest shape of a worn mesh comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,19 +84,16 @@ pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
         }
     };
     if rest_faces.len() != worn.faces.len() {
-        return Err(Error::mesh(
-            &rest_name,
-            format!(
-                "it has {} triangles, but {name} has {}; export both from the same mesh, with the \
-                 same faces in the same order",
-                rest_faces.len(),
-                worn.faces.len()
-            ),
-        ));
+        let problem = MeshError::FaceCountsDiffer {
+            rest_faces: rest_faces.len(),
+            pose: name,
+            pose_faces: worn.faces.len(),
+        };
+        return Err(Error::from(problem).at(&rest_name));
     }
-    check_rest_faces(&rest_name, &rest_positions, &rest_faces)?;
+    check_rest_faces(&rest_positions, &rest_faces).at(&rest_name)?;
     let mut welded = weld(&worn.positions, &worn.faces);
-    let topology = Topology::new(&name, welded.positions.len(), welded.faces)?;
+    let topology = Topology::new(welded.positions.len(), welded.faces).at(&name)?;
     if metres_per_unit != 1.0 {
         welded.positions.iter_mut().for_each(|p| *p *= metres_per_unit);
         if let Rest::File(_) = rest {

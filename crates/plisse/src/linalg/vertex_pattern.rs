@@ -3,9 +3,7 @@
 
 use super::sparse::SymmetricPattern;
 use super::symbolic::IndexBlocks;
-
-/// No unknown: the coordinate is held.
-pub(crate) const NONE: usize = usize::MAX;
+use crate::adjacency::NONE;
 
 /// No slot: a coordinate is held, or the two are not coupled.
 pub(crate) const NO_SLOT: u32 = u32::MAX;

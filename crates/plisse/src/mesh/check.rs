@@ -2,7 +2,8 @@
 //! fault, and the weld of vertices that a file keeps twice along its seams.
 
 use super::Vec3;
-use crate::{Error, Result};
+use crate::Result;
+use crate::error::MeshError;
 
 /// Area of the flattest rest triangle allowed, relative to the square of its longest edge.
 const LEAST_RELATIVE_AREA: f64 = 1e-10;
@@ -12,17 +13,13 @@ const FLATNESS: f64 = 1e-9;
 /// Checks that all coordinates are finite.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` naming the first vertex with a coordinate that is infinite or not a number.
-pub fn check_finite(place: &str, positions: &[Vec3]) -> Result<()> {
+/// [`MeshError::NotFinite`] naming the first vertex with a coordinate that is infinite or not a
+/// number.
+pub fn check_finite(positions: &[Vec3]) -> Result<()> {
     match positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         None => Ok(()),
-        Some(v) => {
-            let p = positions[v];
-            let message = format!(
-                "vertex {v} is at ({}, {}, {}), which is no point; export the mesh again",
-                p.x, p.y, p.z
-            );
-            Err(Error::mesh(place, message))
+        Some(vertex) => {
+            Err(MeshError::NotFinite { vertex, position: positions[vertex].into() }.into())
         }
     }
 }
@@ -35,24 +32,19 @@ pub fn check_finite(place: &str, positions: &[Vec3]) -> Result<()> {
 /// flat, face both ways and are exempt.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` naming a face whose area is zero (below 1e-10 of its longest edge squared), or the first face
-/// that is flipped against the majority of its panel.
-pub fn check_rest_faces(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<()> {
-    for (f, face) in faces.iter().enumerate() {
-        let [a, b, c] = face.map(|v| positions[v]);
+/// [`MeshError::DegenerateRestFace`] for a face whose area is zero (below 1e-10 of its longest edge
+/// squared), [`MeshError::FlippedRestFaces`] for those flipped against the majority of their panel.
+pub fn check_rest_faces(positions: &[Vec3], faces: &[[usize; 3]]) -> Result<()> {
+    for (face, &vertices) in faces.iter().enumerate() {
+        let [a, b, c] = vertices.map(|v| positions[v]);
         let longest_squared =
             (b - a).norm_squared().max((c - b).norm_squared()).max((a - c).norm_squared());
         let area = 0.5 * (b - a).cross(&(c - a)).norm();
         if area.is_nan() || area <= LEAST_RELATIVE_AREA * longest_squared {
-            let message = format!(
-                "face {f} (vertices {}, {}, {}) has no area in the rest shape; move its vertices \
-                 apart or remove the face",
-                face[0], face[1], face[2]
-            );
-            return Err(Error::mesh(place, message));
+            return Err(MeshError::DegenerateRestFace { face, vertices }.into());
         }
     }
-    if is_flat(positions) { check_panel_orientation(place, positions, faces) } else { Ok(()) }
+    if is_flat(positions) { check_panel_orientation(positions, faces) } else { Ok(()) }
 }
 
 /// A mesh without double vertices along its seams.
@@ -178,7 +170,7 @@ fn is_flat(positions: &[Vec3]) -> bool {
     extent.z <= FLATNESS * extent.x.max(extent.y)
 }
 
-fn check_panel_orientation(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<()> {
+fn check_panel_orientation(positions: &[Vec3], faces: &[[usize; 3]]) -> Result<()> {
     let sides = sorted_sides(faces);
     // Lowest face of the panel of each face.
     let mut root: Vec<usize> = (0..faces.len()).collect();
@@ -213,22 +205,14 @@ fn check_panel_orientation(place: &str, positions: &[Vec3], faces: &[[usize; 3]]
         let p = panel[f];
         has_boundary[p] && upwards(f) != if balance[p] == 0 { upwards(p) } else { balance[p] > 0 }
     };
-    let flipped: Vec<usize> = (0..faces.len()).filter(|&f| is_flipped(f)).collect();
-    let others = match flipped.len() {
-        0 => return Ok(()),
-        1 => String::new(),
-        n => format!(" (and {} more)", n - 1),
-    };
-    let message = format!(
-        "face {}{others} is flipped against its panel; reverse its vertex order in both files",
-        flipped[0]
-    );
-    Err(Error::mesh(place, message))
+    let faces: Vec<usize> = (0..faces.len()).filter(|&f| is_flipped(f)).collect();
+    if faces.is_empty() { Ok(()) } else { Err(MeshError::FlippedRestFaces { faces }.into()) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::At;
 
     fn points(p: &[[f64; 3]]) -> Vec<Vec3> {
         p.iter().map(|&p| Vec3::from(p)).collect()
@@ -247,11 +231,12 @@ mod tests {
     #[test]
     fn points_that_are_none_are_named() {
         let (mut positions, _) = strip(2);
-        assert!(check_finite("m.obj", &positions).is_ok());
+        assert!(check_finite(&positions).is_ok());
         for bad in [f64::NAN, f64::INFINITY] {
             positions[3].y = bad;
             assert!(
-                check_finite("m.obj", &positions)
+                check_finite(&positions)
+                    .at("m.obj")
                     .unwrap_err()
                     .to_string()
                     .starts_with("m.obj: vertex 3 is at")
@@ -264,20 +249,20 @@ mod tests {
         let (positions, mut faces) = strip(3);
         for scale in [1e-12, 1.0, 1e12] {
             let scaled: Vec<Vec3> = positions.iter().map(|p| p * scale).collect();
-            assert!(check_rest_faces("m", &scaled, &faces).is_ok());
+            assert!(check_rest_faces(&scaled, &faces).is_ok());
         }
         faces.push([0, 2, 4]);
         assert!(
-            check_rest_faces("m", &positions, &faces)
+            check_rest_faces(&positions, &faces)
                 .unwrap_err()
                 .to_string()
                 .contains("face 6 (vertices 0, 2, 4)")
         );
         let dot = points(&[[1.0, 1.0, 1.0]; 3]);
-        assert!(check_rest_faces("m", &dot, &[[0, 1, 2]]).is_err());
+        assert!(check_rest_faces(&dot, &[[0, 1, 2]]).is_err());
         let thin = |height| points(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, height]]);
-        assert!(check_rest_faces("m", &thin(1e-9), &[[0, 1, 2]]).is_ok());
-        assert!(check_rest_faces("m", &thin(1e-10), &[[0, 1, 2]]).is_err());
+        assert!(check_rest_faces(&thin(1e-9), &[[0, 1, 2]]).is_ok());
+        assert!(check_rest_faces(&thin(1e-10), &[[0, 1, 2]]).is_err());
     }
 
     #[test]
@@ -285,14 +270,14 @@ mod tests {
         let (positions, mut faces) = strip(4);
         let flip = |faces: &mut Vec<[usize; 3]>, f: usize| faces[f].swap(1, 2);
         flip(&mut faces, 3);
-        let message = check_rest_faces("m", &positions, &faces).unwrap_err().to_string();
+        let message = check_rest_faces(&positions, &faces).at("m").unwrap_err().to_string();
         assert_eq!(
             message,
             "m: face 3 is flipped against its panel; reverse its vertex order in both files"
         );
         flip(&mut faces, 5);
         assert!(
-            check_rest_faces("m", &positions, &faces)
+            check_rest_faces(&positions, &faces)
                 .unwrap_err()
                 .to_string()
                 .contains("face 3 (and 1 more)")
@@ -308,18 +293,15 @@ mod tests {
             .copied()
             .chain(positions.iter().map(|p| p + Vec3::new(9.0, 0.0, 0.0)))
             .collect();
-        assert!(check_rest_faces("m", &both, &faces).is_ok());
+        assert!(check_rest_faces(&both, &faces).is_ok());
         flip(&mut faces, 6);
         assert!(
-            check_rest_faces("m", &both, &faces)
-                .unwrap_err()
-                .to_string()
-                .contains("face 6 is flipped")
+            check_rest_faces(&both, &faces).unwrap_err().to_string().contains("face 6 is flipped")
         );
         // Without a plane there is no up.
         let mut bent = both;
         bent[0].z = 0.1;
-        assert!(check_rest_faces("m", &bent, &faces).is_ok());
+        assert!(check_rest_faces(&bent, &faces).is_ok());
     }
 
     #[test]
@@ -327,9 +309,9 @@ mod tests {
         let (positions, mut faces) = strip(1);
         // A back with its own diagonal.
         faces.extend([[0, 1, 3], [0, 3, 2]]);
-        assert!(check_rest_faces("m", &positions, &faces).is_ok());
+        assert!(check_rest_faces(&positions, &faces).is_ok());
         faces.pop();
-        assert!(check_rest_faces("m", &positions, &faces).is_err());
+        assert!(check_rest_faces(&positions, &faces).is_err());
     }
 
     #[test]

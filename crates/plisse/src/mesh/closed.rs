@@ -253,8 +253,7 @@ mod tests {
     /// Vertices − edges + faces, after checking that the mesh is closed and the volume inside is
     /// about `volume_m3`.
     fn euler(closed: &Closed, volume_m3: f64, edge_m: f64) -> i64 {
-        let topology =
-            Topology::new("closed", closed.positions.len(), closed.faces.clone()).unwrap();
+        let topology = Topology::new(closed.positions.len(), closed.faces.clone()).unwrap();
         assert!((0..topology.edge_count()).all(|e| !topology.is_boundary_edge(e)));
         let volume: f64 = closed
             .faces

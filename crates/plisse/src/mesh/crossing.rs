@@ -111,7 +111,7 @@ fn flat_axis([a, b, c]: [Vec3; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::scatter::Random;
+    use crate::random::Random;
 
     const TWO: [[usize; 3]; 2] = [[0, 1, 2], [3, 4, 5]];
 

@@ -119,7 +119,7 @@ mod tests {
         for diagonal in [Diagonal::Rising, Diagonal::Falling] {
             let panel = grid("p", SIZE, 0.11, [None, None], diagonal).unwrap();
             assert_eq!((panel.positions.len(), panel.faces.len()), (12 * 6, 2 * 11 * 5));
-            let t = Topology::new("p", panel.positions.len(), panel.faces.clone()).unwrap();
+            let t = Topology::new(panel.positions.len(), panel.faces.clone()).unwrap();
             assert_eq!(t.vertex_count + t.face_count(), t.edge_count() + 1);
             for face in &panel.faces {
                 let [a, b, c] = face.map(|v| panel.positions[v]);
@@ -151,9 +151,8 @@ mod tests {
         for &v in panel.sides.iter().flatten() {
             assert!((panel.positions[v] - irregular.positions[v]).norm() < 1e-15);
         }
-        let boundary = Topology::new("p", panel.positions.len(), panel.faces.clone())
-            .unwrap()
-            .boundary_vertices();
+        let boundary =
+            Topology::new(panel.positions.len(), panel.faces.clone()).unwrap().boundary_vertices();
         assert_eq!((0..boundary.len()).filter(|&v| boundary[v]).count(), 34);
         assert!(boundary[..34].iter().all(|&b| b));
     }

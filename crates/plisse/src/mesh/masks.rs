@@ -170,8 +170,7 @@ mod tests {
 
     #[test]
     fn edges_lead_to_the_vertices_of_a_row() {
-        let mesh =
-            Topology::new("fan", 5, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 1, 0]]).unwrap();
+        let mesh = Topology::new(5, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [4, 1, 0]]).unwrap();
         let masks = crate::mesh::subdivide::Subdivision::new(&mesh).masks(&[], &[]);
         for v in 0..mesh.vertex_count + mesh.edge_count() {
             let row = masks.row(v);

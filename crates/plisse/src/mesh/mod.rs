@@ -1,12 +1,14 @@
 //! Triangle meshes: connectivity ([`Topology`]), flat panels ([`panel`], [`grid`]) and [`closed`]
-//! surfaces, sewing ([`sew`]), welding and checks ([`check`]), Loop subdivision ([`subdivide`], by
-//! [`masks`]).
+//! surfaces, charts of panels side by side ([`islands`]), sewing ([`sew`]), welding and checks
+//! ([`check`]), normals ([`normals`]), Loop subdivision ([`subdivide`], by [`masks`]).
 
 pub mod check;
 pub mod closed;
 pub mod crossing;
 pub mod grid;
+pub mod islands;
 pub mod masks;
+pub mod normals;
 pub mod panel;
 pub mod reach;
 pub(crate) mod scatter;
@@ -14,7 +16,8 @@ pub mod sew;
 pub mod subdivide;
 mod topology;
 
-pub use topology::{NONE, Topology};
+pub use crate::adjacency::NONE;
+pub use topology::Topology;
 
 /// A point or vector in space (m).
 pub type Vec3 = nalgebra::Vector3<f64>;

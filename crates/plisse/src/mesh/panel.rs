@@ -445,7 +445,7 @@ mod tests {
     use crate::mesh::Topology;
 
     fn topology(panel: &Panel) -> Topology {
-        Topology::new("panel", panel.positions.len(), panel.faces.clone()).unwrap()
+        Topology::new(panel.positions.len(), panel.faces.clone()).unwrap()
     }
 
     fn area(panel: &Panel) -> f64 {

@@ -141,7 +141,7 @@ mod tests {
             Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3)
                 .unwrap();
         let places: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("sheet", places.len(), panel.faces).unwrap();
+        let topology = Topology::new(places.len(), panel.faces).unwrap();
         let (faces, around) = (&topology.faces, topology.vertex_faces());
         let mut reach = Reach::new(places.len());
         let corners = faces[31];

@@ -7,6 +7,7 @@
 //! narrower than 1/5000 of the spacing stay open.
 
 use super::Vec2;
+use crate::random::Random;
 
 /// How often the cells in which there may be room are quartered.
 const LEVELS: u32 = 12;
@@ -188,29 +189,6 @@ impl Samples {
     }
 }
 
-/// The splitmix64 generator: its whole state is one number, its stream the same on every machine.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Even in [0, 1).
-    pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    /// Even in 0..n.
-    fn below(&mut self, n: usize) -> usize {
-        ((u128::from(self.next()) * n as u128) >> 64) as usize
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -255,14 +233,5 @@ mod tests {
         let points = |seed| scatter(&square(9.0), 0.8, 0.5, seed);
         assert_eq!(points(1), points(1));
         assert_ne!(points(1), points(2));
-    }
-
-    #[test]
-    fn splitmix64_gives_its_published_stream() {
-        let mut random = Random(1_234_567);
-        assert_eq!(
-            [random.next(), random.next()],
-            [6_457_827_717_110_365_317, 3_203_168_211_198_807_973]
-        );
     }
 }

@@ -5,7 +5,8 @@
 use std::collections::VecDeque;
 
 use super::{Topology, Vec2, panel::Panel};
-use crate::{Error, Result};
+use crate::Result;
+use crate::error::MeshError;
 
 /// How much the two sides of a seam may differ in length, relative to the longer.
 const LENGTH_TOLERANCE: f64 = 0.01;
@@ -48,11 +49,11 @@ pub fn reversed(chain: &[usize]) -> Vec<usize> {
 /// are sewn to, like the two equal halves of a balloon, are flipped.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` that names the seam and its panels for: a panel or vertex that does not exist, vertices that do
-/// not follow each other on the boundary, sides that differ in their number of vertices or by over
-/// 1 % in length; that names panels for a one-sided surface (a Möbius strip); or what
+/// [`MeshError`] that names the seam and its panels for: a panel that does not exist, vertices that
+/// do not follow each other on the boundary, sides that differ in their number of vertices or by
+/// over 1 % in length; that names panels for a one-sided surface (a Möbius strip); or what
 /// [`Topology::new`] finds, such as three panels on one edge.
-pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
+pub fn sew(panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     let mut first_rest = vec![0];
     for panel in panels {
         first_rest.push(first_rest[first_rest.len() - 1] + panel.positions.len());
@@ -62,8 +63,7 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
 
     let mut root: Vec<usize> = (0..rest_count).collect();
     for (s, seam) in seams.iter().enumerate() {
-        let name = format!("seam {s} (panel {} to panel {})", seam.a.0, seam.b.0);
-        check_seam(place, &name, panels, &boundaries, seam)?;
+        check_seam(s, seam, panels, &boundaries)?;
         for (&i, &j) in seam.a.1.iter().zip(seam.b.1) {
             unite(&mut root, first_rest[seam.a.0] + i, first_rest[seam.b.0] + j);
         }
@@ -89,14 +89,14 @@ pub fn sew(place: &str, panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     turn_doubled_ears(&mut rest_faces, &vertex_of_rest);
     let mut faces: Vec<[usize; 3]> =
         rest_faces.iter().map(|face| face.map(|r| vertex_of_rest[r])).collect();
-    let flipped = panels_to_flip(place, panels.len(), &faces, &panel_of_face)?;
+    let flipped = panels_to_flip(panels.len(), &faces, &panel_of_face)?;
     for f in 0..faces.len() {
         if flipped[panel_of_face[f]] {
             faces[f].swap(1, 2);
             rest_faces[f].swap(1, 2);
         }
     }
-    let topology = Topology::new(place, vertex_count, faces)?;
+    let topology = Topology::new(vertex_count, faces)?;
     let rest_positions = panels.iter().flat_map(|panel| panel.positions.iter().copied()).collect();
     Ok(Sewn { topology, rest_positions, rest_faces, vertex_of_rest, flipped })
 }
@@ -136,30 +136,30 @@ fn boundary_edges(panel: &Panel) -> Vec<[usize; 2]> {
 }
 
 fn check_seam(
-    place: &str,
-    name: &str,
+    number: usize,
+    seam: &Seam<'_>,
     panels: &[Panel],
     boundaries: &[Vec<[usize; 2]>],
-    seam: &Seam<'_>,
 ) -> Result<()> {
+    let joined = [seam.a.0, seam.b.0];
     let length = |(p, chain): (usize, &[usize])| -> Result<f64> {
         let Some(panel) = panels.get(p) else {
-            let message = format!(
-                "{name} names a panel that does not exist; there are {}, counted from 0",
-                panels.len()
+            let panel_count = panels.len();
+            return Err(
+                MeshError::UnknownPanel { seam: number, panels: joined, panel_count }.into()
             );
-            return Err(Error::mesh(place, message));
         };
         let mut length_m = 0.0;
         for pair in chain.windows(2) {
             let (i, j) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
             if boundaries[p].binary_search(&[i, j]).is_err() {
-                let message = format!(
-                    "{name}: vertices {} and {} of panel {p} do not follow each other on its \
-                     boundary; sew along sides only",
-                    pair[0], pair[1]
-                );
-                return Err(Error::mesh(place, message));
+                return Err(MeshError::SeamOffBoundary {
+                    seam: number,
+                    panels: joined,
+                    panel: p,
+                    vertices: [pair[0], pair[1]],
+                }
+                .into());
             }
             length_m += (panel.positions[i] - panel.positions[j]).norm();
         }
@@ -168,11 +168,13 @@ fn check_seam(
     let (a, b) = (length(seam.a)?, length(seam.b)?);
     let (count_a, count_b) = (seam.a.1.len(), seam.b.1.len());
     if count_a != count_b || count_a < 2 || (a - b).abs() > LENGTH_TOLERANCE * a.max(b) {
-        let message = format!(
-            "{name} joins {count_a} vertices over {a:.6} m to {count_b} vertices over {b:.6} m; \
-             make both sides equally long (within 1 %) and use one edge length for both panels"
-        );
-        return Err(Error::mesh(place, message));
+        return Err(MeshError::UnequalSeam {
+            seam: number,
+            panels: joined,
+            vertex_counts: [count_a, count_b],
+            lengths_m: [a, b],
+        }
+        .into());
     }
     Ok(())
 }
@@ -194,7 +196,6 @@ fn unite(root: &mut [usize], i: usize, j: usize) {
 /// `[panels]` which panels to flip so that faces on a common edge run along it in opposite
 /// directions.
 fn panels_to_flip(
-    place: &str,
     panel_count: usize,
     faces: &[[usize; 3]],
     panel_of_face: &[usize],
@@ -235,16 +236,7 @@ fn panels_to_flip(
                         queue.push_back((q, wanted));
                     }
                     Some(chosen) if chosen != wanted => {
-                        let between = if p == q {
-                            format!("of panel {p} with itself")
-                        } else {
-                            format!("between panels {p} and {q}")
-                        };
-                        let message = format!(
-                            "the seams {between} make a surface with only one side, like a Möbius \
-                             strip; reverse a chain of one of them"
-                        );
-                        return Err(Error::mesh(place, message));
+                        return Err(MeshError::OneSided { panels: [p, q] }.into());
                     }
                     Some(_) => {}
                 }
@@ -265,7 +257,7 @@ mod tests {
         let panels = [panel.clone(), panel.clone()];
         let seams: Vec<Seam<'_>> =
             panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
-        let sewn = sew("pillow", &panels, &seams).unwrap();
+        let sewn = sew(&panels, &seams).unwrap();
         assert!(sewn.topology.edge_faces.iter().all(|faces| faces[1] != crate::mesh::NONE));
         let area = |f: &[usize; 3]| {
             let [a, b, c] = f.map(|r| sewn.rest_positions[r]);
@@ -305,7 +297,7 @@ mod tests {
         let panel = rectangle(1.0, 0.5);
         let right = reversed(panel.side("right").unwrap());
         let seam = Seam { a: (0, panel.side("left").unwrap()), b: (0, &right) };
-        let sewn = sew("cylinder", std::slice::from_ref(&panel), &[seam]).unwrap();
+        let sewn = sew(std::slice::from_ref(&panel), &[seam]).unwrap();
         assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (0, 2));
         assert_eq!(sewn.topology.vertex_count, panel.positions.len() - right.len());
         assert_eq!((&sewn.rest_faces, &sewn.rest_positions), (&panel.faces, &panel.positions));
@@ -322,12 +314,9 @@ mod tests {
     fn vertices_are_numbered_by_their_lowest_rest_vertex() {
         let panels = [rectangle(0.5, 0.5), rectangle(0.5, 0.5)];
         let left = reversed(panels[1].side("left").unwrap());
-        let sewn = sew(
-            "two",
-            &panels,
-            &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }],
-        )
-        .unwrap();
+        let sewn =
+            sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }])
+                .unwrap();
         assert_eq!(sewn.flipped, [false, false]);
         let mut next = 0;
         for &v in &sewn.vertex_of_rest {
@@ -343,12 +332,8 @@ mod tests {
         let back = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 2).unwrap();
         let panels = [disk, back];
         let rim = panels[0].side("rim").unwrap();
-        let sewn = sew(
-            "balloon",
-            &panels,
-            &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }],
-        )
-        .unwrap();
+        let sewn =
+            sew(&panels, &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }]).unwrap();
         assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (2, 0));
         assert_eq!(sewn.flipped, [false, true]);
         for (f, rest) in sewn.rest_faces.iter().enumerate() {
@@ -363,27 +348,25 @@ mod tests {
         let panel = rectangle(1.0, 0.5);
         let seam =
             Seam { a: (0, panel.side("left").unwrap()), b: (0, panel.side("right").unwrap()) };
-        let message = sew("strip", std::slice::from_ref(&panel), &[seam]).unwrap_err().to_string();
+        let message = sew(std::slice::from_ref(&panel), &[seam]).unwrap_err().to_string();
         assert!(message.contains("Möbius"), "{message}");
         // The same from two panels: one seam fits, the other is twisted.
         let panels = [panel.clone(), panel];
         let [left, right] = ["left", "right"].map(|s| panels[0].side(s).unwrap());
         let back = reversed(right);
         let twisted = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, left) }];
-        assert!(
-            sew("strip", &panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1")
-        );
+        assert!(sew(&panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1"));
         let front = reversed(left);
         let straight =
             [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, &front) }];
-        assert_eq!(euler(&sew("ring", &panels, &straight).unwrap().topology), 0);
+        assert_eq!(euler(&sew(&panels, &straight).unwrap().topology), 0);
     }
 
     #[test]
     fn unusable_seams_are_named() {
         let panels = [rectangle(1.0, 0.5), rectangle(1.0, 0.52), rectangle(1.0, 0.503)];
         let message = |a: (usize, &[usize]), b: (usize, &[usize])| {
-            sew("bag", &panels, &[Seam { a, b }]).unwrap_err().to_string()
+            sew(&panels, &[Seam { a, b }]).unwrap_err().to_string()
         };
         let [bottom, right] = ["bottom", "right"].map(|s| panels[0].side(s).unwrap());
         let text = message((0, bottom), (1, right));
@@ -399,17 +382,14 @@ mod tests {
         assert!(message((0, &[0, 2]), (1, &[0, 2])).contains("vertices 0 and 2 of panel 0"));
         assert!(message((0, &[0, 9999]), (1, &[0, 1])).contains("9999"));
         assert!(message((0, &[0]), (1, &[0])).contains("1 vertices"));
-        assert!(sew("bag", &panels, &[Seam { a: (0, right), b: (2, right) }]).is_ok());
+        assert!(sew(&panels, &[Seam { a: (0, right), b: (2, right) }]).is_ok());
         let text = sew(
-            "bag",
             &panels,
             &[Seam { a: (0, right), b: (0, right) }, Seam { a: (0, right), b: (2, right) }],
         );
         assert!(text.is_ok(), "a side sewn to itself changes nothing");
         let thrice =
             [Seam { a: (0, bottom), b: (1, bottom) }, Seam { a: (0, bottom), b: (2, bottom) }];
-        assert!(
-            sew("bag", &panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces")
-        );
+        assert!(sew(&panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces"));
     }
 }

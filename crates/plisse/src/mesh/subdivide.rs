@@ -259,7 +259,7 @@ mod tests {
 
     fn panel(outline: &Outline, length: f64) -> (Topology, Vec<Vec2>) {
         let panel = Panel::new("panel", outline, length, 4).unwrap();
-        (Topology::new("panel", panel.positions.len(), panel.faces).unwrap(), panel.positions)
+        (Topology::new(panel.positions.len(), panel.faces).unwrap(), panel.positions)
     }
 
     fn square() -> (Topology, Vec<Vec2>) {
@@ -275,7 +275,7 @@ mod tests {
             [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
         };
         let faces = (0..n).flat_map(|j| (0..n).flat_map(move |i| cell(i, j))).collect();
-        (Topology::new("grid", (n + 1) * (n + 1), faces).unwrap(), positions)
+        (Topology::new((n + 1) * (n + 1), faces).unwrap(), positions)
     }
 
     /// The cube [-1, 1]³ with two faces a side, and its 12 true edges as creases.
@@ -289,7 +289,7 @@ mod tests {
         let quads =
             [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        let t = Topology::new("cube", 8, faces).unwrap();
+        let t = Topology::new(8, faces).unwrap();
         let crease = t.edges.iter().map(|&[i, j]: &[usize; 2]| (i ^ j).count_ones() == 1).collect();
         (t, positions, crease)
     }
@@ -300,8 +300,7 @@ mod tests {
             Panel::new("p", &Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap()
         });
         let left = reversed(panels[1].side("left").unwrap());
-        sew("two", &panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }])
-            .unwrap()
+        sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
     }
 
     /// What fine vertex `v` depends on, and how much.
@@ -320,7 +319,7 @@ mod tests {
             panel(&Outline::Annulus { inner_radius_m: 0.5, outer_radius_m: 1.0 }, 0.2);
         // Faces in another order, whose numbers do not follow those of the vertices.
         annulus.faces.reverse();
-        let annulus = Topology::new("reversed", annulus.vertex_count, annulus.faces).unwrap();
+        let annulus = Topology::new(annulus.vertex_count, annulus.faces).unwrap();
         for (coarse, crease) in [
             (square().0, vec![]),
             (grid(3).0, vec![]),
@@ -335,7 +334,7 @@ mod tests {
                 assert_eq!(r.fine.face_count(), 4 * c.face_count());
                 assert_eq!(
                     r.fine,
-                    Topology::new("fine", r.fine.vertex_count, r.fine.faces.clone()).unwrap()
+                    Topology::new(r.fine.vertex_count, r.fine.faces.clone()).unwrap()
                 );
             }
         }
@@ -473,7 +472,7 @@ mod tests {
 
     #[test]
     fn fans_that_touch_in_a_vertex_hold_it_fixed() {
-        let bow_tie = Topology::new("bow tie", 5, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
+        let bow_tie = Topology::new(5, vec![[0, 1, 2], [2, 3, 4]]).unwrap();
         let r = refine(&bow_tie, &[], &[]);
         assert_eq!(row(&r, 2), (&[2][..], &[1.0][..]));
         assert_eq!(row(&r, 0), (&[0, 1, 2][..], &[0.75, 0.125, 0.125][..]));
@@ -539,7 +538,7 @@ mod tests {
 
     #[test]
     fn two_faces_back_to_back_are_refined() {
-        let t = Topology::new("coin", 3, vec![[0, 1, 2], [0, 2, 1]]).unwrap();
+        let t = Topology::new(3, vec![[0, 1, 2], [0, 2, 1]]).unwrap();
         let twice = refine(&refine(&t, &[], &[]).fine, &[], &[]).fine;
         assert_eq!((twice.vertex_count + twice.face_count()) - twice.edge_count(), 2);
         assert!((0..twice.edge_count()).all(|e| !twice.is_boundary_edge(e)));

@@ -1,10 +1,9 @@
 //! Connectivity of a triangle mesh: edges, and who touches whom. Positions live elsewhere, because
 //! the same connectivity carries a rest shape, a pose and fields.
 
-use crate::{Error, Result};
-
-/// "No such face": the second entry of [`Topology::edge_faces`] on a boundary edge.
-pub const NONE: usize = usize::MAX;
+use crate::Result;
+use crate::adjacency::NONE;
+use crate::error::MeshError;
 
 /// Connectivity of an orientable manifold triangle mesh (with or without boundary). Never changes
 /// after it is built.
@@ -30,81 +29,33 @@ impl Topology {
     /// Connectivity of `faces` (`[F][3]`) over `vertex_count` vertices.
     ///
     /// # Errors
-    /// [`Error::Mesh`] naming face or edge for: an index out of range, a face with a repeated vertex, an edge on three or more
-    /// faces, two faces that run along their common edge in the same direction (inconsistent
-    /// orientation), an isolated vertex.
-    pub fn new(place: &str, vertex_count: usize, faces: Vec<[usize; 3]>) -> Result<Self> {
-        if faces.is_empty() {
-            return Err(Error::mesh(place, "the mesh has no faces; give a triangle mesh"));
-        }
-        let mut used = vec![false; vertex_count];
-        let mut half_edges = Vec::with_capacity(3 * faces.len());
-        for (f, &face) in faces.iter().enumerate() {
-            for k in 0..3 {
-                let (i, j) = (face[k], face[(k + 1) % 3]);
-                if i >= vertex_count {
-                    return Err(Error::mesh(
-                        place,
-                        format!(
-                            "face {f} names vertex {i}, but there are only {vertex_count} \
-                             vertices; correct the index"
-                        ),
-                    ));
-                }
-                if i == j {
-                    return Err(Error::mesh(
-                        place,
-                        format!("face {f} names vertex {i} twice; remove the face"),
-                    ));
-                }
-                used[i] = true;
-                half_edges.push(([i.min(j), i.max(j)], f, k, i < j));
-            }
-        }
-        if let Some(v) = used.iter().position(|u| !u) {
-            return Err(Error::mesh(
-                place,
-                format!("vertex {v} belongs to no face; remove the isolated vertex"),
-            ));
-        }
+    /// [`MeshError`]: no face, an index out of range, a face with a repeated vertex, an isolated
+    /// vertex, an edge on three or more faces, two faces that run along their common edge in the
+    /// same direction.
+    pub fn new(vertex_count: usize, faces: Vec<[usize; 3]>) -> Result<Self> {
+        let mut half_edges = half_edges(vertex_count, &faces)?;
         half_edges.sort_unstable();
         let mut edges: Vec<[usize; 2]> = Vec::with_capacity(half_edges.len() / 2 + 1);
         let mut edge_faces: Vec<[usize; 2]> = Vec::with_capacity(half_edges.len() / 2 + 1);
         let mut face_edges = vec![[NONE; 3]; faces.len()];
-        let mut rest = &half_edges[..];
-        while let Some(&(edge, f, k, forward)) = rest.first() {
-            let count = rest.iter().take_while(|h| h.0 == edge).count();
-            let e = edges.len();
-            face_edges[f][k] = e;
-            let mut pair = [f, NONE];
-            if count > 2 {
-                return Err(Error::mesh(
-                    place,
-                    format!(
-                        "edge {}-{} is shared by {count} faces (among them {f} and {}); split the \
-                         mesh there so that at most two meet",
-                        edge[0], edge[1], rest[1].1
-                    ),
-                ));
-            }
-            if count == 2 {
-                let (_, g, l, other_forward) = rest[1];
-                if forward == other_forward {
-                    return Err(Error::mesh(
-                        place,
-                        format!(
-                            "faces {f} and {g} disagree about which side is outside (edge {}-{}); \
-                             flip one of them",
-                            edge[0], edge[1]
-                        ),
-                    ));
+        for same in half_edges.chunk_by(|a, b| a.0 == b.0) {
+            let (edge, f, _, forward) = same[0];
+            let second = match same {
+                [_] => NONE,
+                [_, (_, g, _, other_forward)] if forward != *other_forward => *g,
+                [_, (_, g, ..)] => {
+                    return Err(MeshError::InconsistentOrientation { faces: [f, *g], edge }.into());
                 }
-                face_edges[g][l] = e;
-                pair[1] = g;
+                _ => {
+                    let faces = same.iter().map(|half_edge| half_edge.1).collect();
+                    return Err(MeshError::NonManifoldEdge { edge, faces }.into());
+                }
+            };
+            for &(_, f, k, _) in same {
+                face_edges[f][k] = edges.len();
             }
             edges.push(edge);
-            edge_faces.push(pair);
-            rest = &rest[count..];
+            edge_faces.push([f, second]);
         }
         Ok(Self { vertex_count, faces, edges, face_edges, edge_faces })
     }
@@ -183,13 +134,44 @@ impl Topology {
     }
 }
 
+/// One side of a face: its edge with the lower vertex first, the face, the corner at which the side
+/// begins, and true if it runs from the lower to the higher vertex.
+type HalfEdge = ([usize; 2], usize, usize, bool);
+
+/// The sides of all faces, which together must use every vertex.
+fn half_edges(vertex_count: usize, faces: &[[usize; 3]]) -> Result<Vec<HalfEdge>> {
+    if faces.is_empty() {
+        return Err(MeshError::NoFaces.into());
+    }
+    let mut used = vec![false; vertex_count];
+    let mut half_edges = Vec::with_capacity(3 * faces.len());
+    for (f, face) in faces.iter().enumerate() {
+        for k in 0..3 {
+            let (i, j) = (face[k], face[(k + 1) % 3]);
+            if i >= vertex_count {
+                return Err(MeshError::IndexOutOfRange { face: f, vertex: i, vertex_count }.into());
+            }
+            if i == j {
+                return Err(MeshError::RepeatedVertex { face: f, vertex: i }.into());
+            }
+            used[i] = true;
+            half_edges.push(([i.min(j), i.max(j)], f, k, i < j));
+        }
+    }
+    match used.iter().position(|used| !used) {
+        Some(vertex) => Err(MeshError::IsolatedVertex { vertex }.into()),
+        None => Ok(half_edges),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{At, Error};
 
     #[test]
     fn two_triangles_share_one_edge() {
-        let t = Topology::new("test", 4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
+        let t = Topology::new(4, vec![[0, 1, 2], [2, 1, 3]]).unwrap();
         assert_eq!(t.edges, [[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]]);
         assert_eq!(t.face_edges, [[0, 2, 1], [2, 3, 4]]);
         assert_eq!(t.edge_faces[2], [0, 1]);
@@ -199,14 +181,53 @@ mod tests {
         assert!(t.boundary_vertices().iter().all(|&b| b));
     }
 
+    /// A mesh that is refused: number of vertices, faces, the fault, and its sentence.
+    type Refused = (usize, Vec<[usize; 3]>, MeshError, &'static str);
+
+    fn refused() -> Vec<Refused> {
+        vec![
+            (3, vec![], MeshError::NoFaces, "the mesh has no faces; give a triangle mesh"),
+            (
+                3,
+                vec![[0, 1, 7]],
+                MeshError::IndexOutOfRange { face: 0, vertex: 7, vertex_count: 3 },
+                "face 0 names vertex 7, but there are only 3 vertices; correct the index",
+            ),
+            (
+                3,
+                vec![[0, 1, 2], [0, 1, 1]],
+                MeshError::RepeatedVertex { face: 1, vertex: 1 },
+                "face 1 names vertex 1 twice; remove the face",
+            ),
+            (
+                4,
+                vec![[0, 1, 2]],
+                MeshError::IsolatedVertex { vertex: 3 },
+                "vertex 3 belongs to no face; remove the isolated vertex",
+            ),
+            (
+                5,
+                vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]],
+                MeshError::NonManifoldEdge { edge: [0, 1], faces: vec![0, 1, 2] },
+                "edge 0-1 is shared by 3 faces (among them 0 and 1); split the mesh there so that \
+                 at most two meet",
+            ),
+            (
+                4,
+                vec![[0, 1, 2], [0, 1, 3]],
+                MeshError::InconsistentOrientation { faces: [0, 1], edge: [0, 1] },
+                "faces 0 and 1 disagree about which side is outside (edge 0-1); flip one of them",
+            ),
+        ]
+    }
+
     #[test]
-    fn bad_meshes_are_named() {
-        let message = |n, faces| Topology::new("m.obj", n, faces).unwrap_err().to_string();
-        assert!(message(3, vec![[0, 1, 7]]).contains("face 0 names vertex 7"));
-        assert!(message(3, vec![[0, 1, 1]]).contains("twice"));
-        assert!(message(4, vec![[0, 1, 2]]).contains("vertex 3 belongs to no face"));
-        assert!(message(5, vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]]).contains("shared by 3 faces"));
-        assert!(message(4, vec![[0, 1, 2], [0, 1, 3]]).contains("disagree"));
-        assert!(message(3, vec![]).contains("no faces"));
+    fn each_refusal_is_a_variant_with_its_fields_and_a_sentence() {
+        for (vertex_count, faces, expected, sentence) in refused() {
+            let error = Topology::new(vertex_count, faces).at("m.obj").unwrap_err();
+            assert_eq!(error.to_string(), format!("m.obj: {sentence}"));
+            let Error::Mesh { place, problem } = error else { panic!("{error}") };
+            assert_eq!((&*place, problem), ("m.obj", expected));
+        }
     }
 }

@@ -199,10 +199,11 @@ impl Obstacle {
     /// nothing; vertices without faces are left out.
     ///
     /// # Errors
-    /// [`Error::Mesh`] at `place` for: no faces, a vertex that is not finite or beyond 1e6 m, an index out of range, an edge on
-    /// three or more faces, open edges, neighbouring faces that disagree about outside, no volume.
-    pub fn mesh(name: &str, place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
-        Ok(Self::of(name, Shape::Triangles(Arc::new(Triangles::new(place, positions, faces)?))))
+    /// [`ObstacleError`](crate::error::ObstacleError), or another [`Error::Mesh`], for: no faces, a
+    /// vertex that is not finite or beyond 1e6 m, an index out of range, an edge on three or more
+    /// faces, open edges, neighbouring faces that disagree about outside, no volume.
+    pub fn mesh(name: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
+        Ok(Self::of(name, Shape::Triangles(Arc::new(Triangles::new(positions, faces)?))))
     }
 
     fn of(name: &str, shape: Shape) -> Self {
@@ -613,8 +614,7 @@ mod tests {
     fn surfaces_are_closed_lie_on_the_body_and_face_outward() {
         for (obstacle, _) in shapes() {
             let (positions, faces) = obstacle.surface(&Vec3::repeat(-1.0), &Vec3::repeat(1.0));
-            let topology =
-                crate::mesh::Topology::new("surface", positions.len(), faces.clone()).unwrap();
+            let topology = crate::mesh::Topology::new(positions.len(), faces.clone()).unwrap();
             let is_plane = matches!(obstacle.shape, Shape::Plane(_));
             assert_eq!((0..topology.edge_count()).any(|e| topology.is_boundary_edge(e)), is_plane);
             assert!((1000..=5200).contains(&faces.len()), "{}", faces.len());

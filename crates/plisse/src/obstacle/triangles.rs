@@ -13,8 +13,9 @@ use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::{Triangle, TrianglePointLocation};
 
 use super::{FARTHEST_M, Nearby, tangent_projection};
+use crate::Result;
+use crate::error::{MeshError, ObstacleError};
 use crate::mesh::{Mat3, Vec3, check};
-use crate::{Error, Result};
 
 /// Area of the flattest triangle with a normal of its own, relative to the square of its longest
 /// edge.
@@ -59,10 +60,10 @@ struct Closest {
 }
 
 impl Triangles {
-    pub(super) fn new(place: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
-        let mut kept = joined_faces(place, positions, faces)?;
-        check_closed(place, &kept)?;
-        turn_outward(place, positions, &mut kept)?;
+    pub(super) fn new(positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
+        let mut kept = joined_faces(positions, faces)?;
+        check_closed(&kept)?;
+        turn_outward(positions, &mut kept)?;
         let faces: Vec<[usize; 3]> = kept.into_iter().map(|(_, face)| face).collect();
         let (positions, faces) = without_loose_vertices(positions, &faces);
         let (lower, upper) =
@@ -180,30 +181,18 @@ fn to_parry(p: &Vec3) -> Vector {
 /// Faces with their number in the input and their vertices: those at the same place along seams, or
 /// joined by an edge without length, count as the lowest of them. Faces that name a vertex twice
 /// then are left out.
-fn joined_faces(
-    place: &str,
-    positions: &[Vec3],
-    faces: &[[usize; 3]],
-) -> Result<Vec<(usize, [usize; 3])>> {
-    let empty = || {
-        Error::mesh(place, "the obstacle has no faces with an area; give a closed triangle mesh")
-    };
+fn joined_faces(positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Vec<(usize, [usize; 3])>> {
     if faces.is_empty() {
-        return Err(empty());
+        return Err(ObstacleError::NoFaces.into());
     }
-    check::check_finite(place, positions)?;
-    if let Some(v) = positions.iter().position(|p| p.amax() > FARTHEST_M) {
-        let message =
-            format!("vertex {v} is farther than 1e6 m from the origin; is the mesh in metres?");
-        return Err(Error::mesh(place, message));
+    check::check_finite(positions)?;
+    if let Some(vertex) = positions.iter().position(|p| p.amax() > FARTHEST_M) {
+        return Err(ObstacleError::TooFar { vertex }.into());
     }
     for (f, face) in faces.iter().enumerate() {
-        if let Some(v) = face.iter().find(|&&v| v >= positions.len()) {
-            let count = positions.len();
-            let message = format!(
-                "face {f} names vertex {v}, but there are only {count} vertices; correct the index"
-            );
-            return Err(Error::mesh(place, message));
+        if let Some(&vertex) = face.iter().find(|&&v| v >= positions.len()) {
+            let vertex_count = positions.len();
+            return Err(MeshError::IndexOutOfRange { face: f, vertex, vertex_count }.into());
         }
     }
     let welded = check::weld(positions, faces);
@@ -231,7 +220,7 @@ fn joined_faces(
     let joined = faces.iter().map(|face| face.map(|v| find(&lowest, v)));
     let kept: Vec<_> =
         joined.enumerate().filter(|(_, [a, b, c])| a != b && b != c && c != a).collect();
-    if kept.is_empty() { Err(empty()) } else { Ok(kept) }
+    if kept.is_empty() { Err(ObstacleError::NoFaces.into()) } else { Ok(kept) }
 }
 
 /// Every side of every face as (edge with the lower vertex first, position of the face in the list,
@@ -249,38 +238,26 @@ fn sorted_sides(faces: impl Iterator<Item = [usize; 3]>) -> Vec<([usize; 2], usi
 }
 
 /// Checks that every edge has two faces that agree about outside.
-fn check_closed(place: &str, kept: &[(usize, [usize; 3])]) -> Result<()> {
+fn check_closed(kept: &[(usize, [usize; 3])]) -> Result<()> {
     let sides = sorted_sides(kept.iter().map(|k| k.1));
     let edges = || sides.chunk_by(|a, b| a.0 == b.0);
     if let Some(same) = edges().find(|same| same.len() > 2) {
-        let ([i, j], count, [f, g]) =
-            (same[0].0, same.len(), [kept[same[0].1].0, kept[same[1].1].0]);
-        let message = format!(
-            "edge {i}-{j} of the obstacle is shared by {count} faces (among them {f} and {g}); \
-             split the mesh there so that two meet"
-        );
-        return Err(Error::mesh(place, message));
+        let faces = same.iter().map(|side| kept[side.1].0).collect();
+        return Err(ObstacleError::NonManifoldEdge { edge: same[0].0, faces }.into());
     }
-    if let Some([i, j]) = edges().find(|same| same.len() == 1).map(|same| same[0].0) {
-        let holes = match edges().filter(|same| same.len() == 1).count() {
-            1 => format!("1 open edge, between vertices {i} and {j}"),
-            count => format!("{count} open edges, first between vertices {i} and {j}"),
-        };
-        return Err(Error::mesh(place, format!("the obstacle has holes: {holes}; close the mesh")));
+    if let Some(edge) = edges().find(|same| same.len() == 1).map(|same| same[0].0) {
+        let count = edges().filter(|same| same.len() == 1).count();
+        return Err(ObstacleError::Holes { edge, count }.into());
     }
     if let Some(same) = edges().find(|same| same[0].3 == same[1].3) {
-        let ([i, j], [f, g]) = (same[0].0, [kept[same[0].1].0, kept[same[1].1].0]);
-        let message = format!(
-            "faces {f} and {g} of the obstacle disagree about which side is outside (edge \
-             {i}-{j}); flip one of them"
-        );
-        return Err(Error::mesh(place, message));
+        let faces = [kept[same[0].1].0, kept[same[1].1].0];
+        return Err(ObstacleError::InconsistentOrientation { faces, edge: same[0].0 }.into());
     }
     Ok(())
 }
 
 /// Flips all faces of a mesh that is inside out.
-fn turn_outward(place: &str, positions: &[Vec3], kept: &mut [(usize, [usize; 3])]) -> Result<()> {
+fn turn_outward(positions: &[Vec3], kept: &mut [(usize, [usize; 3])]) -> Result<()> {
     // From a vertex of the body, so that a body far away loses nothing.
     let origin = positions[kept[0].1[0]];
     let (mut volume, mut size) = (0.0, 0.0f64);
@@ -290,10 +267,7 @@ fn turn_outward(place: &str, positions: &[Vec3], kept: &mut [(usize, [usize; 3])
         size = size.max(a.norm());
     }
     if volume.abs() <= LEAST_RELATIVE_VOLUME * size.powi(3) {
-        return Err(Error::mesh(
-            place,
-            "the obstacle encloses no volume; give a mesh around a solid body",
-        ));
+        return Err(ObstacleError::NoVolume.into());
     }
     if volume < 0.0 {
         for (_, face) in kept.iter_mut() {
@@ -394,6 +368,7 @@ mod tests {
     use super::super::tessellate::icosphere;
     use super::super::tests::{numbers, points};
     use super::*;
+    use crate::{At, Error};
 
     /// The box with corners ±1, ±2, ±3.
     fn cuboid() -> (Vec<Vec3>, Vec<[usize; 3]>) {
@@ -416,7 +391,7 @@ mod tests {
     }
 
     fn obstacle((positions, faces): (Vec<Vec3>, Vec<[usize; 3]>)) -> Obstacle {
-        Obstacle::mesh("m", "m.obj", &positions, &faces).unwrap()
+        Obstacle::mesh("m", &positions, &faces).unwrap()
     }
 
     #[test]
@@ -636,7 +611,7 @@ mod tests {
     fn bad_meshes_are_named() {
         let (positions, faces) = cuboid();
         let message = |positions: &[Vec3], faces: &[[usize; 3]]| {
-            let error = Obstacle::mesh("m", "m.obj", positions, faces).unwrap_err();
+            let error = Obstacle::mesh("m", positions, faces).at("m.obj").unwrap_err();
             assert!(matches!(error, Error::Mesh { .. }));
             error.to_string()
         };

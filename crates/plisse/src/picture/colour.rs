@@ -2,6 +2,9 @@
 //!
 //! Light is linear RGB, 1 being white. It is what the sampler averages.
 
+/// Colour of cloth in exported GLB files: a brick red (linear RGBA).
+pub const CLOTH: [f32; 4] = [0.72, 0.38, 0.30, 1.0];
+
 /// Linear red, green, blue.
 pub(super) type Light = [f32; 3];
 

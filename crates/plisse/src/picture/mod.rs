@@ -21,6 +21,7 @@ mod raster;
 mod relief;
 
 pub use camera::{Axis, Camera};
+pub use colour::CLOTH;
 pub use image::{Image, write_png};
 
 use crate::mesh::Vec3;

@@ -24,7 +24,7 @@ use patch::Patch;
 
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::rest::RestFace;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// A surface and all it carries through remeshing.
 #[derive(Clone, Debug, PartialEq)]
@@ -181,7 +181,7 @@ pub fn remesh(sheet: SurfaceMesh, active: &[bool], options: &RemeshOptions) -> R
     // The whole connectivity takes longer than a small change; it is looked at only to say what is
     // wrong.
     if !patch.is_sound() {
-        Topology::new("remeshing", vertices, patch.sheet.faces)?;
+        Topology::new(vertices, patch.sheet.faces).at("remeshing")?;
         return Err(Error::mesh(
             "remeshing",
             "the surface is no manifold; split it where more than two faces meet",
@@ -200,7 +200,7 @@ pub fn remesh(sheet: SurfaceMesh, active: &[bool], options: &RemeshOptions) -> R
 pub fn edge_ratios(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<Vec<f64>> {
     check(sheet, &vec![true; sheet.faces.len()])?;
     check_options(sheet, options)?;
-    let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces.clone())?;
+    let topology = Topology::new(sheet.positions.len(), sheet.faces.clone()).at("remeshing")?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
     let asked = driver::asked_lengths(&patch, options);
     let ratio =

@@ -3,12 +3,12 @@
 use nalgebra::{Rotation3, Unit};
 
 use super::check::{angle, direction, in_reach, not_blank, positive};
-use super::garment::{about_file, beside, not_blank_path};
+use super::garment::{beside, not_blank_path};
 use super::schema::{ObstacleKind, ObstacleTable, Scene};
 use crate::io::obj;
 use crate::mesh::Vec3;
 use crate::obstacle::Obstacle;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// What needs no file to be checked.
 pub(super) fn check(scene: &Scene) -> Result<()> {
@@ -107,15 +107,16 @@ fn check_fields(place: &str, table: &ObstacleTable) -> Result<()> {
 pub(super) fn obstacles(scene: &Scene) -> Result<Vec<Obstacle>> {
     let body = |(i, table): (usize, &ObstacleTable)| {
         let place = format!("obstacle[{i}]");
-        obstacle(scene, &place, table).map_err(|error| match error {
+        obstacle(scene, &place, table).map_err(|error| {
             // The library names the obstacle; a scene names the field.
-            Error::Value { field, message } => {
-                match field.strip_prefix(&format!("{}.", table.name)) {
-                    Some(name) => Error::value(format!("{place}.{name}"), message),
-                    None => Error::Value { field, message },
+            let own = format!("{}.", table.name);
+            match error.field().and_then(|field| field.strip_prefix(&own)) {
+                Some(name) => {
+                    let field = format!("{place}.{name}");
+                    error.about(field)
                 }
+                None => error,
             }
-            other => other,
         })
     };
     scene.obstacle.iter().enumerate().map(body).collect()
@@ -163,12 +164,11 @@ fn obstacle(scene: &Scene, place: &str, table: &ObstacleTable) -> Result<Obstacl
         ),
         ObstacleKind::Mesh => {
             let path = beside(scene, table.file.as_deref().unwrap_or(&scene.file));
-            let mesh =
-                obj::read(&path).map_err(|error| about_file(&format!("{place}.file"), error))?;
+            let mesh = obj::read(&path).at(&format!("{place}.file"))?;
             let scale = table.metres_per_unit.unwrap_or(1.0);
             let positions: Vec<Vec3> = mesh.positions.iter().map(|p| p * scale).collect();
             let place = format!("{}, {place} ({})", scene.file.display(), path.display());
-            Obstacle::mesh(&table.name, &place, &positions, &mesh.faces)
+            Obstacle::mesh(&table.name, &positions, &mesh.faces).at(&place)
         }
     }
 }

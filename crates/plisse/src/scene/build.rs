@@ -6,21 +6,23 @@ use std::ops::Range;
 use super::check::RELAXED_INTEGRABILITY;
 use super::laid::Laid;
 use super::measure::{Probe, Quantity, cut};
-use super::read::in_file;
 use super::schema::{MeasureKind, Rule, Scene};
 use super::{bodies, garment, growth, hold, panels};
-use crate::bake::islands::panel_texture;
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
+use crate::mesh::islands::panel_texture;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
-use crate::wrinkled::{CLEARANCE, Posed};
-use crate::{Error, Result};
+use crate::wrinkled::Posed;
+use crate::{At, Error, Result};
 
 /// Thickness of contact if the scene gives none, relative to the size of the start pose.
 const CONTACT_THICKNESS: f64 = 1e-3;
+
+/// Distance that wrinkles keep from a scene's bodies, in contact thicknesses.
+const CLEARANCE: f64 = 0.25;
 
 /// A scene made ready for the solvers. V vertices, F faces, R ≥ V rest vertices.
 #[derive(Clone, Debug)]
@@ -137,16 +139,12 @@ pub struct BuiltPanel {
 /// [`sew`]: crate::mesh::sew::sew
 /// [`worn::read`]: crate::io::worn::read
 pub fn build(scene: &Scene) -> Result<Built> {
-    build_unplaced(scene).map_err(|error| in_file(&scene.file, error))
+    build_unplaced(scene).at(&scene.file)
 }
 
 fn build_unplaced(scene: &Scene) -> Result<Built> {
     let laid = lay(scene)?;
-    let mut rest = RestMetric::from_shape(
-        &scene.file.display().to_string(),
-        &laid.rest_positions,
-        &laid.rest_faces,
-    )?;
+    let mut rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
     if let Some(table) = &scene.growth {
         rest = growth::maps::expansion(scene, table, &laid)?.act_on(
             &laid.topology,

@@ -8,7 +8,7 @@ use crate::field::Terms;
 use crate::material::Material;
 use crate::mesh::Vec3;
 use crate::surface::MOST_LEVELS;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Longest length and farthest coordinate (m): the squares of what lies beyond serve nobody.
 const FARTHEST_M: f64 = 1e9;
@@ -81,17 +81,13 @@ impl Scene {
     /// The material.
     pub(super) fn checked_material(&self) -> Result<Material> {
         let m = &self.material;
-        Material::new(m.young_pa, m.poisson, m.thickness_m).map_err(|error| match error {
-            Error::Value { field, message } => {
-                let unit = match field.as_str() {
-                    "young" => "_pa",
-                    "thickness" => "_m",
-                    _ => "",
-                };
-                Error::Value { field: format!("material.{field}{unit}"), message }
-            }
-            other => other,
-        })
+        Material::new(m.young_pa, m.poisson, m.thickness_m)
+            .map_err(|error| match error.field() {
+                Some("young") => error.about("young_pa"),
+                Some("thickness") => error.about("thickness_m"),
+                _ => error,
+            })
+            .at("material")
     }
 
     /// Panel and side that `reference`, "panel.side", names.

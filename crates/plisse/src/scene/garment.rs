@@ -11,7 +11,7 @@ use crate::io::worn::{self, Rest};
 use crate::io::{obj, ply_mesh};
 use crate::mesh::check::{check_rest_faces, weld};
 use crate::mesh::{Topology, Vec2, Vec3};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// What needs no file to be checked.
 pub(super) fn check(table: &MeshTable) -> Result<()> {
@@ -64,8 +64,7 @@ pub(super) fn check(table: &MeshTable) -> Result<()> {
 pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     let Some(worn_path) = &table.worn else {
         let path = beside(scene, table.start.as_deref().unwrap_or(&scene.file));
-        return lay_start(&path, table.metres_per_unit)
-            .map_err(|error| about_file("mesh.start", error));
+        return lay_start(&path, table.metres_per_unit).at("mesh.start");
     };
     let rest_path = table.rest.as_deref().map(|rest| beside(scene, rest));
     let rest = match &rest_path {
@@ -76,7 +75,7 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     let worn = worn::read(&worn_path, rest, table.metres_per_unit).map_err(|error| {
         let is_rest =
             matches!(&error, Error::File { path, .. } if Some(path) == rest_path.as_ref());
-        about_file(if is_rest { "mesh.rest" } else { "mesh.worn" }, error)
+        error.at(if is_rest { "mesh.rest" } else { "mesh.worn" })
     })?;
     Ok(Laid {
         topology: worn.topology,
@@ -140,9 +139,9 @@ fn read_start(path: &Path) -> Result<Start> {
 fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
     let name = path.display().to_string();
     let start = read_start(path)?;
-    check_rest_faces(&name, &start.positions, &start.faces)?;
+    check_rest_faces(&start.positions, &start.faces).at(&name)?;
     let welded = weld(&start.positions, &start.faces);
-    let topology = Topology::new(&name, welded.positions.len(), welded.faces)?;
+    let topology = Topology::new(welded.positions.len(), welded.faces).at(&name)?;
     let positions: Vec<Vec3> = welded.positions.iter().map(|p| p * metres_per_unit).collect();
     let attributes = start.attributes.into_iter().map(|(name, own)| {
         // Where several became one, the last one's.
@@ -176,14 +175,6 @@ fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
 /// A path that the scene file gives relative to itself.
 pub(super) fn beside(scene: &Scene, path: &Path) -> PathBuf {
     scene.file.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
-}
-
-/// `error` about a file that could not be opened, with the field that names the file.
-pub(super) fn about_file(field: &str, error: Error) -> Error {
-    match error {
-        Error::File { .. } => Error::value(field, error.to_string()),
-        other => other,
-    }
 }
 
 /// Refuses a path of blanks.

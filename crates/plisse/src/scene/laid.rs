@@ -4,7 +4,7 @@
 use super::build::BuiltPanel;
 use super::schema::Scene;
 use crate::mesh::{Topology, Vec2, Vec3};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// A part whose volume is less than this, relative to the cube of its size, has no inside.
 const LEAST_VOLUME: f64 = 1e-9;
@@ -185,7 +185,7 @@ impl Laid {
                 own[f].swap(1, 2);
             }
         }
-        self.topology = Topology::new(place, self.topology.vertex_count, faces)?;
+        self.topology = Topology::new(self.topology.vertex_count, faces).at(place)?;
         Ok(())
     }
 }

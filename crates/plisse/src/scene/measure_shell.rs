@@ -7,8 +7,8 @@
 
 use super::build::Built;
 use super::measure::{Crossing, Measured, Quantity};
-use crate::field::curvature::vertex_normals;
 use crate::mesh::Vec3;
+use crate::mesh::normals::vertex_normals;
 
 /// Part of the largest height difference from which an up or down is a wrinkle.
 const VISIBLE: f64 = 0.2;

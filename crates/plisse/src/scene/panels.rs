@@ -5,12 +5,12 @@ use super::check::{angle, direction, in_reach, not_blank, positive};
 use super::closed;
 use super::laid::{Laid, Side, extent};
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape, SideTable};
-use crate::bake::islands::side_by_side;
 use crate::mesh::Vec3;
 use crate::mesh::grid::{Diagonal, grid};
+use crate::mesh::islands::side_by_side;
 use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// How far apart the two start positions of a sewn vertex may be, relative to the size of the start
 /// pose.
@@ -240,7 +240,7 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
         chains.push((a, (b.0, b_chain)));
     }
     let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam { a: *a, b: (b.0, &b.1) }).collect();
-    let sewn = sew(&place, &cut, &seams)?;
+    let sewn = sew(&cut, &seams).at(&place)?;
     let mut rest_positions: Vec<Vec3> =
         sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let chart = closed::shape(scene, &panels, &mut rest_positions, &sewn.rest_faces)?;

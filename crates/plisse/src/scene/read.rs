@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::schema::Scene;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Fields that each table must have, by the table's header. A test holds this list against the
 /// schema.
@@ -51,18 +51,8 @@ pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Scene> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut scene: Scene = toml::from_str(text).map_err(|error| explain(path, text, &error))?;
     scene.file = path.to_path_buf();
-    scene.check().map_err(|error| in_file(path, error))?;
+    scene.check().at(path)?;
     Ok(scene)
-}
-
-/// `error` with the scene's file before the field's name.
-pub(super) fn in_file(path: &Path, error: Error) -> Error {
-    match error {
-        Error::Value { field, message } => {
-            Error::Value { field: format!("{}, {field}", path.display()), message }
-        }
-        other => other,
-    }
 }
 
 /// What the TOML reader says, as one sentence with the line.

@@ -7,7 +7,7 @@ use crate::mesh::subdivide::refine_rest;
 use crate::mesh::{Topology, Vec3};
 use crate::rest::RestMetric;
 use crate::shell::Clamps;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// Steps of the search for an edge length. Vertices go with its inverse square but for the rounding
 /// on sides, so a few are enough.
@@ -81,8 +81,8 @@ pub fn refined(built: &Built) -> Result<Built> {
         [0, 1, 2].map(|axis| (held[axis] == 1.0).then_some(target[axis]))
     };
     let mut fine = built.clone();
-    fine.rest = RestMetric::from_shape(&built.title, &rest_positions, &rest_faces)?;
-    fine.topology = Topology::new(&built.title, start.len(), faces)?;
+    fine.rest = RestMetric::from_shape(&rest_positions, &rest_faces).at(&built.title)?;
+    fine.topology = Topology::new(start.len(), faces).at(&built.title)?;
     fine.clamps = Clamps { targets: targets.iter().zip(&held).map(clamp).collect() };
     fine.probes.retain(|probe| {
         matches!(probe.quantity, Quantity::LargestPeriod | Quantity::PeakAmplitude)

@@ -52,7 +52,7 @@ pub(crate) fn advance(pair: &Pair, x: [Vec3; 4], moves: [Vec3; 4]) -> Advance {
 mod tests {
     use super::*;
     use crate::mesh::crossing::crossing_pairs;
-    use crate::mesh::scatter::Random;
+    use crate::random::Random;
 
     #[test]
     fn a_vertex_stops_before_a_face_and_one_that_leaves_does_not() {

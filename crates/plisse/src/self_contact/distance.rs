@@ -127,7 +127,7 @@ fn closest_on_segments(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> [f64; 2] {
 mod tests {
     use super::*;
     use crate::linalg::derivative_check::gradient_error;
-    use crate::mesh::scatter::Random;
+    use crate::random::Random;
 
     fn random_places(random: &mut Random) -> [Vec3; 4] {
         std::array::from_fn(|_| Vec3::new(random.unit(), random.unit(), random.unit()))

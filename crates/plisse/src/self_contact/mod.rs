@@ -379,11 +379,11 @@ impl<'a> SelfContact<'a> {
 mod tests {
     use super::*;
     use crate::linalg::derivative_check::gradient_error;
-    use crate::mesh::scatter::Random;
+    use crate::random::Random;
 
     /// Two triangles far apart at the start, of which one floats over the other.
     fn two() -> (Topology, Vec<Vec3>) {
-        let topology = Topology::new("two", 6, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+        let topology = Topology::new(6, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let flat = [Vec3::zeros(), Vec3::x(), Vec3::y()];
         (topology, flat.into_iter().chain(flat.map(|p| p + Vec3::new(0.0, 0.0, 3.0))).collect())
     }

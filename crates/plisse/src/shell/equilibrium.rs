@@ -502,8 +502,8 @@ mod tests {
     use crate::linalg::derivative_check::check_problem;
     use crate::material::Material;
     use crate::mesh::Topology;
-    use crate::mesh::scatter::Random;
     use crate::obstacle::Obstacle;
+    use crate::random::Random;
     use crate::rest::RestMetric;
 
     /// A tetrahedron, where the neighbours of a face share their far corner, and an octahedron.
@@ -530,8 +530,8 @@ mod tests {
     #[test]
     fn derivatives_of_everything_together_agree_with_differences() {
         for (shape, faces) in closed_surfaces() {
-            let topology = Topology::new("closed", shape.len(), faces).unwrap();
-            let rest = RestMetric::from_shape("closed", &shape, &topology.faces).unwrap();
+            let topology = Topology::new(shape.len(), faces).unwrap();
+            let rest = RestMetric::from_shape(&shape, &topology.faces).unwrap();
             // Thick, so that bending is not lost beside the membrane.
             let material = Material::new(50.0, 0.3, 0.3).unwrap();
             let mut random = Random(7);

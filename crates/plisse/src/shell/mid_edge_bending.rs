@@ -367,9 +367,9 @@ mod tests {
         let rest: [[f64; 2]; 6] =
             [[0.0, 0.0], [1.0, 0.1], [0.3, 0.8], [0.6, -0.7], [1.1, 0.9], [-0.6, 0.5]];
         let faces = vec![[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5]];
-        let topology = Topology::new("rosette", 6, faces).unwrap();
+        let topology = Topology::new(6, faces).unwrap();
         let flat = rest.map(|[x, y]| Vec3::new(x, y, 0.0));
-        let metric = RestMetric::from_shape("rosette", &flat, &topology.faces).unwrap();
+        let metric = RestMetric::from_shape(&flat, &topology.faces).unwrap();
         let mut pose = flat.map(|p| p + 0.15 * Vec3::new(r(), r(), 0.0)).to_vec();
         for k in 0..3 {
             let (i, along) = (pose[k], (pose[(k + 1) % 3] - pose[k]).normalize());
@@ -443,11 +443,11 @@ mod tests {
     #[test]
     fn a_single_hinge_has_its_closed_form() {
         let (topology, flat) = (
-            Topology::new("hinge", 4, vec![[0, 1, 2], [1, 0, 3]]).unwrap(),
+            Topology::new(4, vec![[0, 1, 2], [1, 0, 3]]).unwrap(),
             [[0.0, 0.0], [2.0, 0.0], [0.6, 1.5], [1.1, -1.0]],
         );
         let flat = flat.map(|[x, y]| Vec3::new(x, y, 0.0));
-        let rest = RestMetric::from_shape("hinge", &flat, &topology.faces).unwrap();
+        let rest = RestMetric::from_shape(&flat, &topology.faces).unwrap();
         let material = Material::new(12.0, 0.25, 0.1).unwrap();
         let bending = MidEdgeBending::new(&topology, &rest, &material);
         for theta in [-2.5_f64, -0.1, 0.7, 2.0, 3.1] {
@@ -539,8 +539,8 @@ mod tests {
         pose: impl Fn(f64, f64) -> Vec3,
     ) -> [f64; 2] {
         let (flat, faces) = sheet(edge, regular);
-        let topology = Topology::new("sheet", flat.len(), faces).unwrap();
-        let rest = RestMetric::from_shape("sheet", &flat, &topology.faces).unwrap();
+        let topology = Topology::new(flat.len(), faces).unwrap();
+        let rest = RestMetric::from_shape(&flat, &topology.faces).unwrap();
         let material = Material::new(1e6, 0.3, 1e-2).unwrap();
         let bending = MidEdgeBending::new(&topology, &rest, &material);
         let posed: Vec<Vec3> = flat.iter().map(|p| pose(p.x, p.y)).collect();

@@ -107,8 +107,8 @@ mod tests {
             Panel::new("sheet", &Outline::Rectangle { width_m: 2.0, height_m: 1.0 }, edge, 3)
                 .unwrap();
         let flat: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("sheet", flat.len(), panel.faces).unwrap();
-        let rest = RestMetric::from_shape("sheet", &flat, &topology.faces).unwrap();
+        let topology = Topology::new(flat.len(), panel.faces).unwrap();
+        let rest = RestMetric::from_shape(&flat, &topology.faces).unwrap();
         (topology, rest, flat, Material::new(1e6, 0.3, 1e-2).unwrap())
     }
 

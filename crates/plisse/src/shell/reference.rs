@@ -12,8 +12,8 @@ use super::start::prepare;
 use crate::Result;
 use crate::linalg::Ending;
 use crate::mesh::Vec3;
-use crate::mesh::scatter::Random;
 use crate::progress::Observer;
+use crate::random::Random;
 
 /// How the reference shell is solved.
 #[derive(Clone, Debug)]

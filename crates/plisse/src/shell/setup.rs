@@ -1,11 +1,12 @@
 //! A thin sheet and everything that acts on it from outside.
 
 use super::loads::Loads;
+use crate::Result;
+use crate::error::SetupError;
 use crate::material::Material;
 use crate::mesh::{Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
-use crate::{Error, Result};
 
 /// What holds the surface: for each vertex and axis a target position (m), or nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,18 +112,16 @@ impl<'a> Setup<'a> {
     /// All checks that the solvers need.
     ///
     /// # Errors
-    /// [`Error::Value`] if the sheet is not thin, pressure acts on an open surface, or nothing holds it against drifting away.
+    /// [`SetupError`] if the sheet is not thin, pressure acts on an open surface, or nothing holds it
+    /// against drifting away.
     pub(super) fn check(&self) -> Result<()> {
         self.material.check_thin(self.rest.area_m2())?;
         if self.loads.pressure_pa != 0.0
             && let Some(edge) =
-                self.topology.edge_faces.iter().position(|faces| faces[1] == crate::mesh::NONE)
+                self.topology.edge_faces.iter().position(|faces| faces[1] == crate::adjacency::NONE)
         {
-            let [i, j] = self.topology.edges[edge];
-            let message = format!(
-                "the surface is open between vertices {i} and {j}; close it, or remove the pressure"
-            );
-            return Err(Error::value("pressure", message));
+            let edge = self.topology.edges[edge];
+            return Err(SetupError::OpenUnderPressure { edge }.into());
         }
         let net: Vec3 = self.dead_forces_newton().iter().sum();
         let idle = self.loads.pressure_pa == 0.0
@@ -130,12 +129,7 @@ impl<'a> Setup<'a> {
         for axis in 0..3 {
             let pushed = net[axis] != 0.0 && self.obstacles.is_empty();
             if self.clamps.targets.iter().all(|t| t[axis].is_none()) && (idle || pushed) {
-                let name = ["x", "y", "z"][axis];
-                let message = format!(
-                    "nothing holds the surface along {name}; clamp at least one vertex in that \
-                     direction"
-                );
-                return Err(Error::value("clamps", message));
+                return Err(SetupError::Unheld { axis }.into());
             }
         }
         Ok(())

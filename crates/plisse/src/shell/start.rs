@@ -3,6 +3,7 @@
 
 use super::pressure::volume_m3;
 use super::setup::{Clamps, Setup};
+use crate::error::MeshError;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::mesh::{Topology, Vec3};
@@ -149,22 +150,14 @@ fn push_out(setup: &Setup<'_>, pose: &mut [Vec3]) -> Result<Vec<usize>> {
                 || round == ROUNDS
                 || near.distance_m < -edge.max(2.0 * clear)
             {
-                let faces = faces_of(v);
-                let what = if way.norm_squared() < 0.25 {
-                    "held there by a clamp"
-                } else {
-                    "too deep inside to be pushed out"
+                let problem = MeshError::InsideObstacle {
+                    faces: faces_of(v),
+                    vertex: v,
+                    obstacle: obstacle.name.clone(),
+                    depth_m: -near.distance_m,
+                    held: way.norm_squared() < 0.25,
                 };
-                return Err(Error::mesh(
-                    "start pose",
-                    format!(
-                        "faces {} are {:.3e} m inside obstacle \"{}\" at vertex {v}, {what}; move \
-                         the surface or the obstacle so that they do not meet",
-                        list(&faces),
-                        -near.distance_m,
-                        obstacle.name
-                    ),
-                ));
+                return Err(Error::from(problem).at("start pose"));
             }
             pose[v] += way * ((clear - near.distance_m) / way.norm_squared());
         }
@@ -197,13 +190,9 @@ fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<
                 let faces: Vec<usize> = (0..setup.topology.face_count())
                     .filter(|&f| setup.topology.faces[f].contains(&v))
                     .collect();
-                let message = format!(
-                    "a clamp takes vertex {v} of faces {} through obstacle \"{}\"; start from a \
-                     pose on the clamp's side of it",
-                    list(&faces),
-                    obstacle.name
-                );
-                return Err(Error::mesh("start pose", message));
+                let obstacle = obstacle.name.clone();
+                let problem = MeshError::ClampThroughObstacle { faces, vertex: v, obstacle };
+                return Err(Error::from(problem).at("start pose"));
             }
         }
     }
@@ -234,13 +223,6 @@ fn part_before(obstacle: &Obstacle, p: &Vec3, by: &Vec3, clear: f64) -> Option<f
         last = distance;
     }
     None
-}
-
-/// The first few of `faces`, in words.
-fn list(faces: &[usize]) -> String {
-    let shown: Vec<String> = faces.iter().take(6).map(ToString::to_string).collect();
-    let more = if faces.len() > shown.len() { ", …" } else { "" };
-    format!("{}{more}", shown.join(", "))
 }
 
 /// The part of a start pose that rigid motions leave free, held so that only the shape is solved

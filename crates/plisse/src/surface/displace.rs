@@ -9,8 +9,8 @@
 use rayon::prelude::*;
 
 use super::upsample::Upsampled;
-use crate::field::curvature::vertex_normals;
 use crate::material::Material;
+use crate::mesh::normals::vertex_normals;
 use crate::mesh::{Mat2, Mat3, Mat3x2, Vec2, Vec3};
 use crate::rest::RestFace;
 
@@ -168,7 +168,7 @@ mod tests {
         }
         let base =
             rest_positions.iter().map(|p: &Vec3| Vec3::new(p.x * squeeze, p.y, 0.0)).collect();
-        let topology = Topology::new("strip", rest_positions.len(), faces.clone()).unwrap();
+        let topology = Topology::new(rest_positions.len(), faces.clone()).unwrap();
         Upsampled {
             wrinkle_free: vec![false; faces.len()],
             amplitude_m: vec![a; rest_positions.len()],

@@ -48,8 +48,8 @@ mod tests {
         let panel = grid("grid", [1.0, 1.0], 0.25, [None, None], Diagonal::Rising).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new("grid", positions.len(), panel.faces.clone()).unwrap();
-        let rest = RestMetric::from_shape("grid", &positions, &panel.faces).unwrap();
+        let topology = Topology::new(positions.len(), panel.faces.clone()).unwrap();
+        let rest = RestMetric::from_shape(&positions, &panel.faces).unwrap();
         let levels = |wavelength| suggest_levels(&topology, &rest, wavelength);
         assert_eq!((levels(None), levels(Some(4.0))), (2, 2));
         assert_eq!((levels(Some(0.2)), levels(Some(0.1)), levels(Some(1e-9))), (4, 5, 7));

@@ -243,7 +243,7 @@ mod tests {
         let rest_positions = (0..(m + 1) * (n + 1))
             .map(|v| Vec3::new(angle(v % (n + 1)), (v / (n + 1)) as f64 * 0.3, 0.0))
             .collect();
-        let topology = Topology::new("ring", (m + 1) * n, faces).unwrap();
+        let topology = Topology::new((m + 1) * n, faces).unwrap();
         let field = WrinkleField {
             amplitude_m: vec![0.1; topology.vertex_count],
             omega: vec![0.0; topology.edge_count()],
@@ -304,7 +304,7 @@ mod tests {
             .map(|p| Vec3::new(p[0], p[1], 0.0))
             .collect();
         let faces = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
-        let topology = Topology::new("sheet", 5, faces.clone()).unwrap();
+        let topology = Topology::new(5, faces.clone()).unwrap();
         let positions = rest.clone();
         let field = WrinkleField {
             amplitude_m: vec![0.0; 5],

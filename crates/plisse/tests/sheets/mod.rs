@@ -14,6 +14,7 @@ use plisse::mesh::panel::{Outline, Panel};
 use plisse::mesh::sew::{Seam, reversed, sew};
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::{Observer, Silent};
+pub(crate) use plisse::random::Random;
 use plisse::rest::RestMetric;
 use plisse::shell::{
     BaseOptions, BaseReport, Clamps, ReferenceOptions, Setup, solve_base, solve_reference,
@@ -40,8 +41,8 @@ impl Sheet {
         faces: Vec<[usize; 3]>,
         pose: Vec<Vec3>,
     ) -> Self {
-        let topology = Topology::new("sheet", pose.len(), faces).unwrap();
-        let rest = RestMetric::from_shape("sheet", &rest_positions, &rest_faces).unwrap();
+        let topology = Topology::new(pose.len(), faces).unwrap();
+        let rest = RestMetric::from_shape(&rest_positions, &rest_faces).unwrap();
         let held = vec![false; pose.len()];
         Self { topology, rest_positions, rest_faces, rest, pose, held }
     }
@@ -292,7 +293,7 @@ pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
     .unwrap();
     let left = reversed(panel.side("left").unwrap());
     let seam = Seam { a: (0, panel.side("right").unwrap()), b: (0, &left) };
-    let sewn = sew("cylinder", std::slice::from_ref(&panel), &[seam]).unwrap();
+    let sewn = sew(std::slice::from_ref(&panel), &[seam]).unwrap();
     let rest_positions: Vec<Vec3> =
         sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let mut pose = vec![Vec3::zeros(); sewn.topology.vertex_count];
@@ -324,31 +325,13 @@ pub(crate) fn mylar() -> Material {
     Material::new(1e7, 0.44, 1e-4).unwrap()
 }
 
-/// Seeded numbers (SplitMix64).
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
+/// `0..n` in random order.
+pub(crate) fn permutation(random: &mut Random, n: usize) -> Vec<usize> {
+    let mut list: Vec<usize> = (0..n).collect();
+    for i in (1..n).rev() {
+        list.swap(i, (random.next_u64() % (i as u64 + 1)) as usize);
     }
-
-    /// Between −1 and 1.
-    pub(crate) fn sign_unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    /// `0..n` in random order.
-    pub(crate) fn permutation(&mut self, n: usize) -> Vec<usize> {
-        let mut list: Vec<usize> = (0..n).collect();
-        for i in (1..n).rev() {
-            list.swap(i, (self.next() % (i as u64 + 1)) as usize);
-        }
-        list
-    }
+    list
 }
 
 /// Edge length (m) with which [`twisted_cylinder`] has about this many vertices.

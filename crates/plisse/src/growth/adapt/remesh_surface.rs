@@ -1,15 +1,16 @@
 //! A growing surface with everything it carries, from mesh to mesh.
 
-use crate::Result;
-use crate::growth::expansion::{Expansion, GrowthTensor, vertex_normals};
+use crate::growth::expansion::{Expansion, GrowthTensor};
 use crate::growth::maps::GrowthMaps;
 use crate::growth::surface::Growing;
 use crate::mesh::crossing::crossing_pairs;
+use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::obstacle::Obstacle;
 use crate::remesh::{MidpointPlacement, RemeshOptions, RemeshReport, SurfaceMesh, remesh};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
+use crate::{At, Result};
 
 /// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, hold, three of the place, six of ln
 /// τ. One for each band follows.
@@ -134,8 +135,8 @@ impl<'a> Surface<'a> {
             return Ok(report);
         }
         let sheet = remeshed.sheet;
-        let topology = Topology::new("remeshing", sheet.positions.len(), sheet.faces)?;
-        let normals = vertex_normals(&topology, &sheet.start)?;
+        let topology = Topology::new(sheet.positions.len(), sheet.faces).at("remeshing")?;
+        let normals = try_vertex_normals(&topology, &sheet.start).at("growth")?;
         let c = &sheet.channels;
         let made = |v: usize| {
             GrowthTensor::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]))

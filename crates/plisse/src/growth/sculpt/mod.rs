@@ -21,17 +21,18 @@ pub use dab::{Dab, Paint, SurfacePoint};
 use web_time::Instant;
 
 use super::equilibrate::{Effort, Scale, Within, areas_and_imperfections, settle_part};
-use super::expansion::{Expansion, GrowthTensor, vertex_normals};
+use super::expansion::{Expansion, GrowthTensor};
 use super::load_stepping::{GrowthOptions, StepReport};
 use super::maps::GrowthMaps;
 use super::surface::Growing;
+use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::progress::{Observer, Silent};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 use region::Region;
 
 /// What is painted on one vertex.
@@ -166,7 +167,8 @@ impl Sculpture {
                 ),
             ));
         }
-        let surface = RestMetric::from_shape("sculpture", growing.start, &growing.topology.faces)?;
+        let surface =
+            RestMetric::from_shape(growing.start, &growing.topology.faces).at("sculpture")?;
         let (area_m2, rough) = areas_and_imperfections(growing, &surface, options.seed)?;
         let mut loads = growing.loads.clone();
         let mut forces = std::mem::take(&mut loads.forces_newton);
@@ -181,7 +183,7 @@ impl Sculpture {
         };
         Ok(Self {
             painted: (0..n).map(painted).collect(),
-            normals: vertex_normals(growing.topology, growing.start)?,
+            normals: try_vertex_normals(growing.topology, growing.start).at("growth")?,
             area_m2,
             rough,
             around: growing.topology.vertex_faces(),

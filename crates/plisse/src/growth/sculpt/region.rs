@@ -2,11 +2,11 @@
 //! energy terms reach.
 
 use super::{Sculpture, maps_of};
-use crate::Result;
 use crate::growth::surface::Growing;
 use crate::mesh::{NONE, Topology, Vec3};
 use crate::rest::RestMetric;
 use crate::shell::Loads;
+use crate::{At, Result};
 
 /// The piece, with numbers of its own.
 pub(super) struct Region {
@@ -67,7 +67,7 @@ impl Region {
         }
         let of = |list: &[Vec3]| vertices.iter().map(|&v| list[v]).collect::<Vec<_>>();
         Ok(Self {
-            topology: Topology::new("sculpture", vertices.len(), faces)?,
+            topology: Topology::new(vertices.len(), faces).at("sculpture")?,
             rest: RestMetric { faces: chosen.iter().map(|&f| whole.rest.faces[f]).collect() },
             start: of(&whole.start),
             still,

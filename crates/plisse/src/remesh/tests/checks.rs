@@ -17,7 +17,7 @@ pub(super) struct Kept {
 }
 
 pub(super) fn kept(sheet: &SurfaceMesh) -> Kept {
-    let topology = Topology::new("test", sheet.positions.len(), sheet.faces.clone()).unwrap();
+    let topology = Topology::new(sheet.positions.len(), sheet.faces.clone()).unwrap();
     let mut boundary = [0.0; 3];
     let mut seams = 0.0;
     for e in 0..topology.edge_count() {
@@ -47,7 +47,7 @@ pub(super) fn kept(sheet: &SurfaceMesh) -> Kept {
 
 /// Manifold; as many handles and holes as before.
 pub(super) fn same_kind(sheet: &SurfaceMesh, before: &Kept) -> Result<(), String> {
-    Topology::new("test", sheet.positions.len(), sheet.faces.clone()).map_err(|e| e.to_string())?;
+    Topology::new(sheet.positions.len(), sheet.faces.clone()).map_err(|e| e.to_string())?;
     let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
     if let Some(v) = (0..sheet.positions.len()).find(|&v| patch.fan(v).is_none()) {
         return Err(format!("vertex {v} has two fans"));
@@ -88,7 +88,7 @@ pub(super) fn same_measure(sheet: &SurfaceMesh, before: &Kept, change: f64) -> R
     {
         return Err(format!("{what} is {a}, was {b}"));
     }
-    let topology = Topology::new("test", sheet.positions.len(), sheet.faces.clone()).unwrap();
+    let topology = Topology::new(sheet.positions.len(), sheet.faces.clone()).unwrap();
     let side = |f: usize, e: usize| {
         unfold::side(&sheet.rest[f], topology.face_edges[f].iter().position(|&x| x == e).unwrap())
     };

@@ -16,7 +16,7 @@ fn grown(
     most: f64,
     wavelength: f64,
 ) -> SurfaceMesh {
-    let topology = Topology::new("test", sheet.start.len(), sheet.faces.clone()).unwrap();
+    let topology = Topology::new(sheet.start.len(), sheet.faces.clone()).unwrap();
     let factor = |p: &Vec3| {
         let t = (1.0 - (p - centre).norm_squared() / (radius * radius)).max(0.0);
         1.0 + (most - 1.0) * t * t

@@ -4,28 +4,8 @@
 use super::super::SurfaceMesh;
 use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::{Vec2, Vec3};
+pub(super) use crate::random::Random;
 use crate::rest::RestMetric;
-
-/// A stream of random numbers (splitmix64).
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub(super) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n as u64) as usize
-    }
-
-    /// Between -1 and 1.
-    pub(super) fn signed(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
 
 fn round(p: Vec3) -> Vec3 {
     p.map(|x| (x * 1048576.0).round() / 1048576.0)
@@ -39,7 +19,7 @@ pub(super) fn linear(p: &Vec3) -> f64 {
 /// A sheet at rest, with a linear channel 2 beside λ = 1 m and a growth of 1.
 pub(super) fn sheet(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> SurfaceMesh {
     let positions: Vec<Vec3> = positions.into_iter().map(round).collect();
-    let rest = RestMetric::from_shape("test", &positions, &faces).unwrap().faces;
+    let rest = RestMetric::from_shape(&positions, &faces).unwrap().faces;
     let n = positions.len();
     let channels = vec![vec![1.0; n], vec![1.0; n], positions.iter().map(linear).collect()];
     SurfaceMesh {

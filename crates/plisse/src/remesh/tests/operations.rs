@@ -7,6 +7,11 @@ use super::checks::{kept, linear_still, same_kind, same_measure, upright};
 use super::meshes::{Random, annulus, sphere, square, torus, with_seam};
 use crate::mesh::Vec3;
 
+/// An index in 0..n.
+fn below(random: &mut Random, n: usize) -> usize {
+    (random.next_u64() % n as u64) as usize
+}
+
 /// `count` random operations, checked after every 40; how many of each were done.
 fn shake(
     sheet: SurfaceMesh,
@@ -22,9 +27,9 @@ fn shake(
     let curved = tolerances.flatness > TIGHT.flatness;
     let mut change = 0.0;
     for step in 1..=count {
-        let kind = random.below(5);
+        let kind = below(random, 5);
         let mut pick = || {
-            let (f, k) = (random.below(patch.sheet.faces.len()), random.below(3));
+            let (f, k) = (below(random, patch.sheet.faces.len()), below(random, 3));
             (!patch.dead[f]).then(|| (patch.sheet.faces[f][k], patch.sheet.faces[f][(k + 1) % 3]))
         };
         // Swaps at random would wind a curved surface up; there, one that is wanted is looked for.

@@ -5,15 +5,16 @@ use std::collections::BTreeMap;
 use super::BuiltGrowth;
 use super::count;
 use super::schema::RemeshTable;
-use crate::Result;
-use crate::bake::islands::side_by_side;
 use crate::growth::{AdaptOptions, Surface};
+use crate::mesh::islands::side_by_side;
+use crate::mesh::islands::side_by_side;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
 use crate::scene::build::{Built, BuiltPanel};
 use crate::scene::laid::Laid;
 use crate::shell::Clamps;
+use crate::{At, Result};
 
 /// The options of `table` for a scene that starts with this mesh.
 pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> AdaptOptions {
@@ -100,7 +101,7 @@ impl BuiltGrowth {
         let mut order: Vec<usize> = (0..surface.topology.face_count()).collect();
         order.sort_by_key(|&f| panel_of(f));
         let faces = order.iter().map(|&f| surface.topology.faces[f]).collect();
-        let topology = Topology::new("remeshing", surface.topology.vertex_count, faces)?;
+        let topology = Topology::new(surface.topology.vertex_count, faces).at("remeshing")?;
         let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
         let asked = surface.maps.expansion.act_on(&topology, &surface.start, &rest)?;
 

@@ -11,7 +11,6 @@ use crate::relief::{RealisedGrowth, Relief, Window, offsets_m, realised_growth};
 use crate::rest::RestMetric;
 use crate::scene::laid::Laid;
 use crate::scene::schema::{PanelTable, Shape};
-use crate::{Error, Result};
 
 /// Points of the window to a wavelength along the growth, and rows across.
 const POINTS: (f64, usize) = (24.0, 41);
@@ -167,10 +166,9 @@ pub(super) fn places(counts: &[CountTable], extents: &[Extent], laid: &Laid) -> 
         };
         // That the window lies on the panel is found before anything has grown.
         let flat = place.faces.iter().map(|&(_, corners)| (corners, [0.0; 3]));
-        place.relief(flat, SIZES[0] as usize).map_err(|error| match error {
-            Error::Value { message, .. } => Error::value(format!("growth.count[{i}]"), message),
-            other => other,
-        })?;
+        place
+            .relief(flat, SIZES[0] as usize)
+            .map_err(|error| error.about(format!("growth.count[{i}]")))?;
         places.push(place);
     }
     Ok(places)
@@ -180,7 +178,7 @@ impl BuiltGrowth {
     /// Counts the folds of `pose` (`[V]`, m), of which the metric `asked` was asked.
     ///
     /// # Errors
-    /// [`Error::Mesh`] if the starting surface has no normal somewhere.
+    /// [`Error::Mesh`](crate::Error::Mesh) if the starting surface has no normal somewhere.
     pub fn count(&self, pose: &[Vec3], asked: &RestMetric) -> Result<Vec<FoldCount>> {
         let topology = &self.built.topology;
         let offset = offsets_m(topology, &self.built.start, pose)?;

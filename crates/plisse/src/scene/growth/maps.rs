@@ -5,8 +5,8 @@ use std::path::Path;
 use super::schema::{
     AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable,
 };
-use crate::bake::islands::side_by_side;
 use crate::growth::{DirectionField, Expansion, ProceduralMap};
+use crate::mesh::islands::side_by_side;
 use crate::mesh::{Mat2, Vec2, Vec3};
 use crate::scene::garment::beside;
 use crate::scene::laid::Laid;
@@ -218,7 +218,8 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
     }
     let (topology, start) = (&laid.topology, &laid.start);
     let Some(direction) = &table.direction else {
-        return Expansion::from_factors(topology, start, &factor).map_err(|error| at(place, error));
+        return Expansion::from_factors(topology, start, &factor)
+            .map_err(|error| error.about(place));
     };
     let directions = directions(laid, place, direction)?;
     let tensor: Option<Vec<Vec<f64>>> = match &table.tensor {
@@ -236,7 +237,8 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
         None => Mat2::new(factor[v] * factor[v].abs(), 0.0, 0.0, across[v] * across[v].abs()),
     };
     let forms: Vec<Mat2> = (0..n).map(form).collect();
-    Expansion::from_tensors(topology, start, &directions, &forms).map_err(|error| at(place, error))
+    Expansion::from_tensors(topology, start, &directions, &forms)
+        .map_err(|error| error.about(place))
 }
 
 /// `[V]` directions, of any length.
@@ -260,12 +262,4 @@ fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Ve
         }
     };
     Ok(laid.start.iter().map(|p| course.at(p)).collect())
-}
-
-/// `error` about a value, with the place in the scene that gave it.
-fn at(place: &str, error: Error) -> Error {
-    match error {
-        Error::Value { message, .. } => Error::value(place, message),
-        other => other,
-    }
 }

@@ -15,12 +15,11 @@ pub use schema::Mode;
 use super::build::{Built, assemble, lay};
 use super::hold::{self, AXES, Grip};
 use super::laid::{Chart, Laid};
-use super::read::in_file;
 use super::schema::{GrowthTable, Scene};
 use crate::growth::reference::ReferenceOptions;
 use crate::growth::{AdaptOptions, Growing, GrowthMaps, GrowthOptions};
 use crate::rest::RestMetric;
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 /// A scene made ready to grow.
 #[derive(Clone, Debug)]
@@ -89,9 +88,9 @@ impl BuiltGrowth {
 pub fn build_growth(scene: &Scene) -> Result<BuiltGrowth> {
     let Some(table) = &scene.growth else {
         let message = "the scene does not say how it grows; add [growth], or use plisse solve";
-        return Err(in_file(&scene.file, Error::value("growth", message)));
+        return Err(Error::value("growth", message).at(&scene.file));
     };
-    grow_unplaced(scene, table).map_err(|error| in_file(&scene.file, error))
+    grow_unplaced(scene, table).at(&scene.file)
 }
 
 fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
@@ -141,11 +140,7 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
     reference.levels = table.steps.unwrap_or(reference.levels);
     reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
-    let rest = RestMetric::from_shape(
-        &scene.file.display().to_string(),
-        &laid.rest_positions,
-        &laid.rest_faces,
-    )?;
+    let rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
     let grown = BuiltGrowth {

@@ -1,6 +1,6 @@
 //! Texture coordinates of flat panels: side by side in the unit square.
 
-use crate::mesh::{Vec2, Vec3};
+use super::{Vec2, Vec3};
 
 /// Space between islands, relative to the largest side of all of them.
 const GAP: f64 = 0.02;
