@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::BuiltGrowth;
 use super::schema::{CountTable, PanelAxis};
+use crate::Result;
 use crate::mesh::{Vec2, Vec3};
 use crate::relief::{RealisedGrowth, Relief, Window, offsets_m, realised_growth};
 use crate::rest::RestMetric;
