@@ -13,10 +13,10 @@ use plisse::io::aside::OutputFolder;
 use plisse::{Error, Result};
 use serde::Serialize;
 
-use crate::Done;
 use crate::arguments::{BakeArguments, Map};
-use crate::outputs::{say, write_json};
-use crate::road::with_threads;
+use crate::outputs::write_json;
+use crate::pipeline::with_threads;
+use crate::terminal::{RunEnd, print};
 
 /// What a run found. Field names carry the units.
 #[derive(Serialize)]
@@ -60,7 +60,7 @@ struct Seconds {
     total: f64,
 }
 
-pub(crate) fn run(arguments: &BakeArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &BakeArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let input = Path::new(&arguments.input);
     let extension =
@@ -168,7 +168,7 @@ impl<'a> Job<'a> {
     }
 
     /// report.json and the table; maps of earlier runs that this one did not write go.
-    fn finish(&mut self, mut folder: OutputFolder, path: &Path) -> Result<Done> {
+    fn finish(&mut self, mut folder: OutputFolder, path: &Path) -> Result<RunEnd> {
         let interrupted = self.is_interrupted()
             && self.report.frames.len() < self.arguments.frames.unwrap_or(1) as usize;
         let report = &mut self.report;
@@ -204,8 +204,8 @@ impl<'a> Job<'a> {
         }
         write_json(&mut folder, "report.json", &report)?;
         folder.commit()?;
-        say(&report.table(path));
-        Ok(if interrupted { Done::Interrupted } else { Done::Whole })
+        print(&report.table(path));
+        Ok(if interrupted { RunEnd::Interrupted } else { RunEnd::Complete })
     }
 }
 

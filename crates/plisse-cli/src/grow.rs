@@ -24,12 +24,12 @@ use plisse::scene::{self, BuiltGrowth};
 use plisse::strain::strain;
 use plisse::{Error, Result};
 
-use crate::Done;
 use crate::arguments::{GrowArguments, GrowthMode};
 use crate::outputs::{self, CLOTH_SRGB, Frame, draw_frames, draw_panels_by};
+use crate::pipeline::{open_output_at, with_threads};
 use crate::progress::Bars;
 use crate::report::ending_name;
-use crate::road::{open_output_at, with_threads};
+use crate::terminal::RunEnd;
 use report::{Report, Seconds, StepSummary};
 
 /// Share of the growth that is missing from which on it is worth a note.
@@ -225,7 +225,7 @@ fn follow(
     Ok((Followed { grown, pose, asked }, report))
 }
 
-pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let mut grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
     let mode = match arguments.mode {
@@ -303,9 +303,9 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
         report.seconds.files = written.elapsed().as_secs_f64();
         report.seconds.total = begun.elapsed().as_secs_f64();
         let table = report.table();
-        outputs::leave(folder, &report, table)?;
+        outputs::finish(folder, &report, table)?;
         drop(spinner);
-        Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
+        Ok(if interrupted.load(Ordering::SeqCst) { RunEnd::Interrupted } else { RunEnd::Complete })
     })
 }
 

@@ -14,7 +14,7 @@ pub(crate) fn watch() -> Arc<AtomicBool> {
         if seen.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
-        crate::tell("\nstopping; press Ctrl-C again to end at once");
+        crate::terminal::eprint_line("\nstopping; press Ctrl-C again to end at once");
     });
     flag
 }

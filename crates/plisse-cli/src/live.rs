@@ -24,11 +24,11 @@ use plisse_live::skin::{Pose, pose, skin};
 use plisse_live::texture::Texture;
 use plisse_live::{Vec3, bake};
 
-use crate::Done;
 use crate::animated::{self, Animated};
 use crate::arguments::LiveArguments;
+use crate::pipeline::with_threads;
 use crate::progress::Bars;
-use crate::road::with_threads;
+use crate::terminal::RunEnd;
 use machine::Machine;
 use report::Report;
 
@@ -41,7 +41,7 @@ const FITTED: usize = 24;
 /// Parts of a wave that --export gives an edge each.
 const PER_WAVE: f32 = 6.0;
 
-pub(crate) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     with_threads(arguments.threads, || match &arguments.model {
         Some(model) if !arguments.bench => frames(arguments, model, interrupted),
         _ => bench::run(arguments, interrupted),
@@ -106,7 +106,7 @@ impl Timeline {
     }
 }
 
-fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> Result<Done> {
+fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let animated = animated::open(input, &arguments.waves, "")?;
     let Animated { model, unified, .. } = &animated;
@@ -196,7 +196,7 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
     report.write(folder, exported.as_deref())?;
     drop(spinner);
     report.print(&path);
-    Ok(if stopped { Done::Interrupted } else { Done::Whole })
+    Ok(if stopped { RunEnd::Interrupted } else { RunEnd::Complete })
 }
 
 /// The image that the model is drawn with: the one asked for, its own, or a checked cloth.

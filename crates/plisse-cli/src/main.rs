@@ -1,6 +1,5 @@
 //! The `plisse` command: reads scenes and meshes, runs the library, writes files. Everything it
-//! says goes through here; the library never prints. Nothing here uses `println` and its kin, which
-//! panic where nobody reads any more.
+//! prints goes through `terminal`; the library never prints.
 
 mod animated;
 mod arguments;
@@ -9,27 +8,21 @@ mod grow;
 mod interrupt;
 mod live;
 mod outputs;
+mod pipeline;
 mod progress;
 mod report;
-mod road;
+
 mod shell;
 mod solve;
 mod study;
+mod terminal;
 mod wrinkle;
 
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
-
-/// What a run came to.
-pub(crate) enum Done {
-    /// Everything was done.
-    Whole,
-    /// The user interrupted it; what there was is written.
-    Interrupted,
-}
+use terminal::{RunEnd, eprint_line};
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
@@ -44,19 +37,14 @@ fn main() -> ExitCode {
         Command::Wrinkle(arguments) => wrinkle::run(&arguments, &interrupted),
     };
     match result {
-        Ok(Done::Whole) => ExitCode::SUCCESS,
-        Ok(Done::Interrupted) => {
-            tell("interrupted: the files hold the best state so far");
+        Ok(RunEnd::Complete) => ExitCode::SUCCESS,
+        Ok(RunEnd::Interrupted) => {
+            eprint_line("interrupted: the files hold the best state so far");
             ExitCode::from(130)
         }
         Err(error) => {
-            tell(&format!("error: {error}"));
+            eprint_line(&format!("error: {error}"));
             ExitCode::from(2)
         }
     }
-}
-
-/// A line on standard error, if anybody reads it.
-pub(crate) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
 }

@@ -1,7 +1,5 @@
 //! The files that a run leaves.
 
-use std::io::Write as _;
-
 use plisse::Result;
 use plisse::io::aside::OutputFolder;
 use plisse::mesh::{Topology, Vec3};
@@ -11,6 +9,7 @@ use plisse::wrinkled::Wrinkled;
 use serde::Serialize;
 
 use crate::arguments::Up;
+use crate::terminal;
 
 /// Colours of the wrinkled surface and of what lies under it in pictures (sRGB).
 pub(crate) const CLOTH_SRGB: [u8; 3] = [222, 166, 148];
@@ -33,14 +32,8 @@ pub(crate) fn write_json(
     })
 }
 
-/// Prints `text`. Nobody may be there to read it (`| head`): the run has not failed for that, its
-/// files are written.
-pub(crate) fn say(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
-}
-
 /// Writes report.json, lets all files appear, and prints `table` with their folder below.
-pub(crate) fn leave(
+pub(crate) fn finish(
     mut folder: OutputFolder,
     report: &impl Serialize,
     mut table: String,
@@ -50,7 +43,7 @@ pub(crate) fn leave(
     if let Some(parent) = paths.first().and_then(|p| p.parent()) {
         table += &format!("  written to               {}\n", parent.display());
     }
-    say(&table);
+    terminal::print(&table);
     Ok(())
 }
 

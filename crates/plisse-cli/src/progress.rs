@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use plisse::progress::{Observer, Step};
 
-/// A bar per step of the road, with energy, residual and an estimate of the time left.
+/// A bar per step of the pipeline, with energy, residual and an estimate of the time left.
 pub(crate) struct Bars<'a> {
     interrupted: &'a AtomicBool,
     current: Mutex<Option<Current>>,

@@ -17,13 +17,13 @@ use plisse::strain::strain;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 
-use crate::Done;
 use crate::arguments::{ShellArguments, Start, Up};
 use crate::outputs::{self, BASE_SRGB, CLOTH_SRGB, draw_panels};
+use crate::pipeline::{open_output_at, with_threads};
 use crate::progress::Bars;
 use crate::report::{BaseSummary, measured_row, shell_ending};
-use crate::road::{open_output_at, with_threads};
 use crate::solve::base_notes;
+use crate::terminal::RunEnd;
 
 /// What a run found. Field names carry the units.
 #[derive(Serialize)]
@@ -51,7 +51,7 @@ struct Seconds {
     total: f64,
 }
 
-pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let mut scene = scene::read(&arguments.scene)?;
     refine(&mut scene, arguments.finer)?;
@@ -114,7 +114,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             },
         };
         write(&built, &start, &pose, report, &found, arguments, folder, &bars)?;
-        Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
+        Ok(if interrupted.load(Ordering::SeqCst) { RunEnd::Interrupted } else { RunEnd::Complete })
     })
 }
 
@@ -200,7 +200,7 @@ fn write(
     for note in &report.notes {
         table += &format!("  note: {note}\n");
     }
-    outputs::leave(folder, &report, table)?;
+    outputs::finish(folder, &report, table)?;
     drop(spinner);
     Ok(())
 }

@@ -7,12 +7,12 @@ use plisse::Result;
 use plisse::scene;
 use plisse::shell::BaseReport;
 
-use crate::Done;
 use crate::arguments::{SolveArguments, Up};
+use crate::pipeline::{Job, check_levels, finish, leave_out, open_output, with_threads};
 use crate::progress::Bars;
-use crate::road::{Job, check_levels, finish, leave_out, open_output, with_threads};
+use crate::terminal::RunEnd;
 
-pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let scene = scene::read(&arguments.scene)?;
     let mut built = scene::build(&scene)?;

@@ -12,12 +12,12 @@ use plisse::rest::RestMetric;
 use plisse::wrinkled::Posed;
 use plisse::{At, Result};
 
-use crate::Done;
 use crate::arguments::WrinkleArguments;
+use crate::pipeline::{Job, check_levels, finish, leave_out, open_output, with_threads};
 use crate::progress::Bars;
-use crate::road::{Job, check_levels, finish, leave_out, open_output, with_threads};
+use crate::terminal::RunEnd;
 
-pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let material = Material::new(arguments.young, arguments.poisson, arguments.thickness)?;
     let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };

@@ -8,12 +8,12 @@ use plisse_live::bake;
 use plisse_live::play::Player;
 
 use super::Job;
-use crate::Done;
 use crate::animated::{self, Animated};
 use crate::progress::Bars;
+use crate::terminal::RunEnd;
 
 /// Bakes the model file or own model that the command names.
-pub(super) fn model(job: &mut Job<'_>) -> Result<Done> {
+pub(super) fn model(job: &mut Job<'_>) -> Result<RunEnd> {
     let a = job.arguments;
     let Animated { model, unified, options, profile, wavelength_m } =
         animated::open(&a.input, &a.waves, ", a scene .toml file, a folder of plisse solve")?;

@@ -12,19 +12,19 @@ use plisse::mesh::normals::vertex_normals;
 use plisse::{At, Error, Result};
 
 use super::{Job, refuse};
-use crate::Done;
 use crate::arguments::{OutputArguments, SolveArguments};
 use crate::progress::Bars;
+use crate::terminal::RunEnd;
 
 /// Bakes the folder `input` with its base.obj and field.json.
-pub(super) fn folder(job: &mut Job<'_>, input: &Path) -> Result<Done> {
+pub(super) fn folder(job: &mut Job<'_>, input: &Path) -> Result<RunEnd> {
     check_flags(job)?;
     let path = job.output();
     baked(job, input, &path)
 }
 
 /// Solves the scene `input` into the folder `solve` beside the maps, then bakes that.
-pub(super) fn scene(job: &mut Job<'_>, input: &Path) -> Result<Done> {
+pub(super) fn scene(job: &mut Job<'_>, input: &Path) -> Result<RunEnd> {
     check_flags(job)?;
     let path = job.output();
     let solved = path.join("solve");
@@ -39,8 +39,8 @@ pub(super) fn scene(job: &mut Job<'_>, input: &Path) -> Result<Done> {
         &SolveArguments { scene: input.to_path_buf(), output },
         job.interrupted,
     )? {
-        Done::Whole => baked(job, &solved, &path),
-        Done::Interrupted => Ok(Done::Interrupted),
+        RunEnd::Complete => baked(job, &solved, &path),
+        RunEnd::Interrupted => Ok(RunEnd::Interrupted),
     }
 }
 
@@ -53,7 +53,7 @@ fn check_flags(job: &Job<'_>) -> Result<()> {
     refuse("--time", a.time.is_some(), "a solved field does not move")
 }
 
-fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<Done> {
+fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<RunEnd> {
     let (mesh_path, field_path) = (from.join("base.obj"), from.join("field.json"));
     for file in [&mesh_path, &field_path] {
         if !file.is_file() {

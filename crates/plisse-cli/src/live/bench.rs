@@ -23,10 +23,10 @@ use plisse_live::unify::{Unified, fill_normals};
 use plisse_live::{Vec3, models};
 use serde_json::json;
 
-use crate::Done;
 use crate::arguments::LiveArguments;
-use crate::outputs::{say, write_json};
+use crate::outputs::write_json;
 use crate::progress::Bars;
+use crate::terminal::{RunEnd, print};
 
 /// Size of the pictures, that of the paper's benchmark (pixels).
 const SIZE: [usize; 2] = [1280, 1024];
@@ -74,7 +74,7 @@ struct Row {
     bytes: usize,
 }
 
-pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let gpu = if arguments.cpu { None } else { Some(Gpu::new()?) };
     let adapter = gpu.as_ref().map_or("none".to_owned(), |gpu| gpu.adapter.clone());
     let path = arguments.output.clone().unwrap_or_else(|| PathBuf::from("out/live-bench"));
@@ -107,8 +107,8 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
     let whole = json!({"adapter": adapter, "memory_bytes_per_second": speed, "threads": rayon::current_num_threads(), "cases": list});
     write_json(&mut folder, "bench.json", &whole)?;
     folder.commit()?;
-    say(&table);
-    Ok(if rows.len() < CASES.len() { Done::Interrupted } else { Done::Whole })
+    print(&table);
+    Ok(if rows.len() < CASES.len() { RunEnd::Interrupted } else { RunEnd::Complete })
 }
 
 fn table(rows: &[Row], adapter: &str) -> String {

@@ -10,7 +10,8 @@ use serde_json::json;
 
 use crate::animated::Animated;
 use crate::arguments::LiveArguments;
-use crate::outputs::{say, write_json};
+use crate::outputs::write_json;
+use crate::terminal::print;
 
 /// What a run found.
 #[derive(Default)]
@@ -166,6 +167,6 @@ impl Report {
             table += &format!("  note: {note}\n");
         }
         table += &format!("  written to               {}\n", path.display());
-        say(&table);
+        print(&table);
     }
 }

@@ -18,10 +18,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use plisse::io::aside::OutputFolder;
 use plisse::{Error, Result};
 
-use crate::Done;
 use crate::arguments::{StudyArguments, StudyName};
+use crate::pipeline::with_threads;
 use crate::progress::Bars;
-use crate::road::with_threads;
+use crate::terminal::RunEnd;
 use table::Document;
 
 /// Why a study ends before its end.
@@ -73,7 +73,7 @@ fn studies(name: StudyName) -> Vec<(&'static str, &'static str, Work)> {
     all.iter().filter(wanted).map(|&(_, name, title, work)| (name, title, work)).collect()
 }
 
-pub(crate) fn run(arguments: &StudyArguments, interrupted: &AtomicBool) -> Result<Done> {
+pub(crate) fn run(arguments: &StudyArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let bars = Bars::new(interrupted);
     with_threads(arguments.threads, || {
         let mut documents = Vec::new();
@@ -108,7 +108,7 @@ pub(crate) fn run(arguments: &StudyArguments, interrupted: &AtomicBool) -> Resul
             folder.commit()?;
         }
         let _ = writeln!(std::io::stdout(), "written to {}", arguments.output.display());
-        Ok(if interrupted.load(Ordering::SeqCst) { Done::Interrupted } else { Done::Whole })
+        Ok(if interrupted.load(Ordering::SeqCst) { RunEnd::Interrupted } else { RunEnd::Complete })
     })
 }
 

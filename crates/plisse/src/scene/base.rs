@@ -8,7 +8,8 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::TriMesh;
 
-use super::build::{Built, BuiltPanel};
+use super::build::Built;
+use super::laid::BuiltPanel;
 use super::resolution::with_vertices;
 use super::schema::Scene;
 use crate::mesh::Vec3;

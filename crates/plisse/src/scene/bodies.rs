@@ -2,9 +2,8 @@
 
 use nalgebra::{Rotation3, Unit};
 
-use super::check::{angle, direction, in_reach, not_blank, positive};
-use super::garment::{beside, not_blank_path};
 use super::schema::{ObstacleKind, ObstacleTable, Scene};
+use super::value::{angle, direction, in_reach, not_blank, not_blank_path, positive};
 use crate::io::obj;
 use crate::mesh::Vec3;
 use crate::obstacle::Obstacle;
@@ -163,7 +162,7 @@ fn obstacle(scene: &Scene, place: &str, table: &ObstacleTable) -> Result<Obstacl
             table.tube_radius_m.unwrap_or_default(),
         ),
         ObstacleKind::Mesh => {
-            let path = beside(scene, table.file.as_deref().unwrap_or(&scene.file));
+            let path = scene.beside(table.file.as_deref().unwrap_or(&scene.file));
             let mesh = obj::read(&path).at(&format!("{place}.file"))?;
             let scale = table.metres_per_unit.unwrap_or(1.0);
             let positions: Vec<Vec3> = mesh.positions.iter().map(|p| p * scale).collect();

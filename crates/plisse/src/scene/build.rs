@@ -1,14 +1,11 @@
 //! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into
 //! space, held and pushed.
 
-use std::ops::Range;
-
-use super::check::RELAXED_INTEGRABILITY;
-use super::laid::Laid;
-use super::measure::{Probe, Quantity, cut};
-use super::schema::{MeasureKind, Rule, Scene};
-use super::{bodies, garment, growth, hold, panels};
-use crate::field::{FieldOptions, WrinkleFreeRule};
+use super::laid::{BuiltPanel, Laid};
+use super::probe::{self, Probe};
+use super::schema::Scene;
+use super::{bodies, garment, hold, maps, options, panels};
+use crate::field::FieldOptions;
 use crate::material::Material;
 use crate::mesh::islands::panel_texture;
 use crate::mesh::{Topology, Vec2, Vec3};
@@ -16,7 +13,7 @@ use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
 use crate::wrinkled::Posed;
-use crate::{At, Error, Result};
+use crate::{At, Result};
 
 /// Thickness of contact if the scene gives none, relative to the size of the start pose.
 const CONTACT_THICKNESS: f64 = 1e-3;
@@ -115,17 +112,6 @@ impl Built {
     }
 }
 
-/// Where a panel is in the surface.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BuiltPanel {
-    /// Its name.
-    pub name: String,
-    /// Its faces.
-    pub faces: Range<usize>,
-    /// Its rest vertices.
-    pub rest_vertices: Range<usize>,
-}
-
 /// The scene ready for the solvers. The same scene gives the same result.
 ///
 /// # Errors
@@ -146,11 +132,7 @@ fn build_unplaced(scene: &Scene) -> Result<Built> {
     let laid = lay(scene)?;
     let mut rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
     if let Some(table) = &scene.growth {
-        rest = growth::maps::expansion(scene, table, &laid)?.act_on(
-            &laid.topology,
-            &laid.start,
-            &rest,
-        )?;
+        rest = maps::expansion(scene, table, &laid)?.act_on(&laid.topology, &laid.start, &rest)?;
     }
     let clamps = hold::clamps(scene, &laid)?;
     let loads = hold::loads(scene, &laid)?;
@@ -190,13 +172,13 @@ pub(super) fn assemble(
             .contact
             .thickness_m
             .unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
-        material: scene.checked_material()?,
-        base: base_options(scene),
-        field: field_options(scene),
+        material: options::material(scene)?,
+        base: options::base_options(scene),
+        field: options::field_options(scene),
         levels: scene.surface.levels,
         v1: scene.surface.v1,
         v2: scene.surface.v2,
-        probes: probes(scene, &laid)?,
+        probes: probe::probes(scene, &laid)?,
         topology: laid.topology,
         start: laid.start,
         rest_positions: laid.rest_positions,
@@ -207,92 +189,10 @@ pub(super) fn assemble(
     })
 }
 
-fn base_options(scene: &Scene) -> BaseOptions {
-    let mut options = BaseOptions::default();
-    if let Some(share) = scene.base.compressive_stiffness {
-        options.compressive_stiffness = share;
-    }
-    if let Some(limit) = scene.base.iteration_limit {
-        options.iteration_limit = limit;
-    }
-    options
-}
-
-fn field_options(scene: &Scene) -> FieldOptions {
-    let mut options = FieldOptions::default();
-    match scene.field.wrinkle_free {
-        Some(Rule::Paper) => options.rule = WrinkleFreeRule::Paper,
-        Some(Rule::Published) => options.rule = WrinkleFreeRule::Published,
-        None => {}
-    }
-    for name in &scene.field.without {
-        if name == RELAXED_INTEGRABILITY {
-            options.relaxed_integrability = false;
-        } else if let Some(terms) = options.terms.without(name) {
-            options.terms = terms;
-        }
-    }
-    if let Some(rings) = scene.field.curvature_rings {
-        options.curvature_rings = rings;
-    }
-    if let Some(limit) = scene.field.iteration_limit {
-        options.iteration_limit = limit;
-    }
-    options
-}
-
-fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
-    let mut probes = Vec::new();
-    for (i, table) in scene.measure.iter().enumerate() {
-        let quantity = match table.kind {
-            MeasureKind::LargestPeriod => Quantity::LargestPeriod,
-            MeasureKind::PeakAmplitude => Quantity::PeakAmplitude,
-            MeasureKind::WavesAlong => {
-                let (Some(from), Some(to)) = (table.from_m, table.to_m) else {
-                    return Err(Error::value(
-                        format!("measure[{i}]"),
-                        "waves_along needs panel, from_m and to_m; give them",
-                    ));
-                };
-                let panel =
-                    laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
-                let faces = panel.map_or(0..0, |panel| panel.faces.clone());
-                let (pieces, crossings) =
-                    cut(from.into(), to.into(), faces, |f| laid.panel_corners(f));
-                if pieces.is_empty() {
-                    let message =
-                        "the line to to_m misses the panel; give points in panel coordinates (m)";
-                    return Err(Error::value(format!("measure[{i}].from_m"), message));
-                }
-                Quantity::WavesAlong { pieces, crossings }
-            }
-            MeasureKind::WavesAround => {
-                let side = laid.side(
-                    scene,
-                    &format!("measure[{i}].side"),
-                    table.side.as_deref().unwrap_or_default(),
-                )?;
-                let mut chain: Vec<usize> =
-                    side.rest_vertices.iter().map(|&r| laid.vertex_of_rest[r]).collect();
-                if side.closed {
-                    chain.push(chain[0]);
-                }
-                Quantity::WavesAround { chain }
-            }
-        };
-        probes.push(Probe {
-            name: table.name.clone(),
-            quantity,
-            published: table.published,
-            source: table.source.clone(),
-        });
-    }
-    Ok(probes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::WrinkleFreeRule;
     use crate::scene::{parse, read};
 
     const SHEET: &str = r#"

@@ -1,31 +1,27 @@
 //! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that
 //! belong to another shape.
 
-use super::panels::{check_panel, side_names};
+use super::options::RELAXED_INTEGRABILITY;
+use super::panels::check_panel;
 use super::schema::{MeasureKind, Scene};
-use super::{bodies, garment, growth, hold};
+use super::value::{in_reach, not_blank, positive, within};
+use super::{bodies, garment, growth, hold, options};
 use crate::field::Terms;
-use crate::material::Material;
-use crate::mesh::Vec3;
 use crate::surface::MOST_LEVELS;
-use crate::{At, Error, Result};
+use crate::{Error, Result};
 
-/// Longest length and farthest coordinate (m): the squares of what lies beyond serve nobody.
-const FARTHEST_M: f64 = 1e9;
 /// Highest density (kg/m³), far above any material's.
 const MOST_DENSITY: f64 = 1e6;
 /// Most iterations one may ask for.
 const MOST_ITERATIONS: usize = 1_000_000;
 /// Most rings that curvature may be fitted to.
 const MOST_RINGS: usize = 20;
-/// Name in `field.without` that is no term of the energy.
-pub(super) const RELAXED_INTEGRABILITY: &str = "relaxed-integrability";
 
 impl Scene {
     /// All checks that need no mesh; fields in errors are dotted names.
     pub(super) fn check(&self) -> Result<()> {
         not_blank("title", &self.title)?;
-        self.checked_material()?;
+        options::material(self)?;
         self.check_loads()?;
         match &self.mesh {
             None if self.panel.is_empty() => {
@@ -76,75 +72,6 @@ impl Scene {
             growth::check::check(self, table)?;
         }
         self.check_measures()
-    }
-
-    /// The material.
-    pub(super) fn checked_material(&self) -> Result<Material> {
-        let m = &self.material;
-        Material::new(m.young_pa, m.poisson, m.thickness_m)
-            .map_err(|error| match error.field() {
-                Some("young") => error.about("young_pa"),
-                Some("thickness") => error.about("thickness_m"),
-                _ => error,
-            })
-            .at("material")
-    }
-
-    /// Panel and side that `reference`, "panel.side", names.
-    pub(super) fn side(&self, field: &str, reference: &str) -> Result<(usize, String)> {
-        if self.mesh.is_some() {
-            return Err(Error::value(field, "a mesh has no sides; use near_m or within_m"));
-        }
-        let Some((panel, side)) = reference.rsplit_once('.') else {
-            let message = format!(
-                "\"{reference}\" names no side; write it as \"panel.side\", such as \"{}\"",
-                self.sides().join("\", \"")
-            );
-            return Err(Error::value(field, message));
-        };
-        let Some(p) = self.panel.iter().position(|other| other.name == panel) else {
-            return Err(self.no_panel(field, panel));
-        };
-        let names = side_names(&self.panel[p]);
-        if names.is_empty() {
-            return Err(Error::value(
-                field,
-                format!("panel \"{panel}\" is closed and has no sides; use near_m or within_m"),
-            ));
-        }
-        if !names.iter().any(|name| name == side) {
-            let message = format!(
-                "panel \"{panel}\" has no side \"{side}\"; its sides are {}",
-                names.join(", ")
-            );
-            return Err(Error::value(field, message));
-        }
-        Ok((p, side.to_owned()))
-    }
-
-    /// All sides, as one may name them; a few of them if there are many.
-    fn sides(&self) -> Vec<String> {
-        let all = self
-            .panel
-            .iter()
-            .flat_map(|p| side_names(p).into_iter().map(|side| format!("{}.{side}", p.name)));
-        all.take(4).collect()
-    }
-
-    pub(super) fn no_panel(&self, field: &str, name: &str) -> Error {
-        if self.panel.is_empty() {
-            return Error::value(
-                field,
-                format!(
-                    "a mesh has no panels, so there is no \"{name}\"; remove this, or give panels"
-                ),
-            );
-        }
-        let names: Vec<&str> = self.panel.iter().map(|p| p.name.as_str()).collect();
-        Error::value(
-            field,
-            format!("there is no panel \"{name}\"; the panels are {}", names.join(", ")),
-        )
     }
 
     fn check_loads(&self) -> Result<()> {
@@ -281,68 +208,6 @@ impl Scene {
             }
         }
         Ok(())
-    }
-}
-
-/// An angle in degrees.
-pub(super) fn angle(field: &str, angle_deg: f64) -> Result<()> {
-    if angle_deg.is_nan() || angle_deg.abs() > 1e6 {
-        return Err(Error::value(
-            field,
-            format!("{angle_deg} is no usable angle; give degrees between -1e6 and 1e6"),
-        ));
-    }
-    Ok(())
-}
-
-/// Unit vector along `axis`.
-pub(super) fn direction(field: &str, axis: [f64; 3]) -> Result<Vec3> {
-    in_reach(field, &axis)?;
-    let axis = Vec3::from(axis);
-    axis.try_normalize(1e-100).ok_or_else(|| {
-        Error::value(field, "the axis has no length; give a direction such as [0.0, 0.0, 1.0]")
-    })
-}
-
-pub(super) fn not_blank(field: &str, text: &str) -> Result<()> {
-    if text.trim().is_empty() {
-        Err(Error::value(field, "this is empty; write a name"))
-    } else {
-        Ok(())
-    }
-}
-
-pub(super) fn positive(field: &str, value: f64) -> Result<f64> {
-    if value > 0.0 && value <= FARTHEST_M {
-        Ok(value)
-    } else {
-        Err(Error::value(
-            field,
-            format!(
-                "{value} is no usable length; give a number of metres above 0 and at most \
-                 {FARTHEST_M:e}"
-            ),
-        ))
-    }
-}
-
-pub(super) fn in_reach(field: &str, values: &[f64]) -> Result<()> {
-    match values.iter().find(|value| value.is_nan() || value.abs() > FARTHEST_M) {
-        None => Ok(()),
-        Some(value) => Err(Error::value(
-            field,
-            format!("{value} is no usable number; give finite ones of at most {FARTHEST_M:e}"),
-        )),
-    }
-}
-
-pub(super) fn within(field: &str, value: Option<usize>, low: usize, high: usize) -> Result<()> {
-    match value {
-        Some(value) if !(low..=high).contains(&value) => Err(Error::value(
-            field,
-            format!("{value} is out of range; give a whole number from {low} to {high}"),
-        )),
-        _ => Ok(()),
     }
 }
 

@@ -1,9 +1,8 @@
 //! Panels that are closed surfaces: a sphere or a torus, whose rest shape is itself.
 
-use super::build::BuiltPanel;
-use super::check::positive;
-use super::laid::Chart;
+use super::laid::{BuiltPanel, Chart};
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
+use super::value::positive;
 use crate::mesh::Vec3;
 use crate::mesh::closed::{Closed, sphere, torus};
 use crate::{Error, Result};

@@ -2,11 +2,11 @@
 //! pieces as its rest shape; or any mesh that rests where it starts, with what was painted on its
 //! vertices.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::check::positive;
 use super::laid::Laid;
 use super::schema::{MeshTable, Scene};
+use super::value::{not_blank_path, positive};
 use crate::io::worn::{self, Rest};
 use crate::io::{obj, ply_mesh};
 use crate::mesh::check::{check_rest_faces, weld};
@@ -63,15 +63,15 @@ pub(super) fn check(table: &MeshTable) -> Result<()> {
 /// The surface, read from its files.
 pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     let Some(worn_path) = &table.worn else {
-        let path = beside(scene, table.start.as_deref().unwrap_or(&scene.file));
+        let path = scene.beside(table.start.as_deref().unwrap_or(&scene.file));
         return lay_start(&path, table.metres_per_unit).at("mesh.start");
     };
-    let rest_path = table.rest.as_deref().map(|rest| beside(scene, rest));
+    let rest_path = table.rest.as_deref().map(|rest| scene.beside(rest));
     let rest = match &rest_path {
         Some(path) => Rest::File(path),
         None => Rest::Texture { metres_per_uv: table.metres_per_uv.unwrap_or(1.0) },
     };
-    let worn_path = beside(scene, worn_path);
+    let worn_path = scene.beside(worn_path);
     let worn = worn::read(&worn_path, rest, table.metres_per_unit).map_err(|error| {
         let is_rest =
             matches!(&error, Error::File { path, .. } if Some(path) == rest_path.as_ref());
@@ -172,23 +172,10 @@ fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
     })
 }
 
-/// A path that the scene file gives relative to itself.
-pub(super) fn beside(scene: &Scene, path: &Path) -> PathBuf {
-    scene.file.parent().map_or_else(|| path.to_path_buf(), |folder| folder.join(path))
-}
-
-/// Refuses a path of blanks.
-pub(super) fn not_blank_path(field: &str, path: &Path) -> Result<()> {
-    if path.to_string_lossy().trim().is_empty() {
-        Err(Error::value(field, "this is empty; write the path of an OBJ file"))
-    } else {
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::fmt::Write as _;
+    use std::path::PathBuf;
 
     use super::*;
     use crate::mesh::Vec3;

@@ -1,8 +1,8 @@
 //! Where clamps and forces act, and whether what they act on can stay.
 
-use super::check::{angle, direction, in_reach};
 use super::laid::{Laid, shown};
 use super::schema::{BoxTable, ClampTable, ForceTable, Scene};
+use super::value::{angle, direction, in_reach};
 use crate::mesh::Vec3;
 use crate::rest::RestMetric;
 use crate::shell::{Clamps, Loads};

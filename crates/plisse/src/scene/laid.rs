@@ -1,13 +1,25 @@
 //! The surface as a scene describes it, laid into space, before anything holds it: from panels or
 //! from a mesh.
 
-use super::build::BuiltPanel;
+use std::ops::Range;
+
 use super::schema::Scene;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::{At, Error, Result};
 
 /// A part whose volume is less than this, relative to the cube of its size, has no inside.
 const LEAST_VOLUME: f64 = 1e-9;
+
+/// Where a panel is in the surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct BuiltPanel {
+    /// Its name.
+    pub name: String,
+    /// Its faces.
+    pub faces: Range<usize>,
+    /// Its rest vertices.
+    pub rest_vertices: Range<usize>,
+}
 
 /// Points of a plane, and those of each face's corners (`[F][3]`).
 pub(super) type Chart = (Vec<Vec2>, Vec<[usize; 3]>);

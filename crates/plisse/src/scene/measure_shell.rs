@@ -6,7 +6,8 @@
 //! difference along the line and a hundredth of the thickness.
 
 use super::build::Built;
-use super::measure::{Crossing, Measured, Quantity};
+use super::measure::Measured;
+use super::probe::{Crossing, Probe, Quantity};
 use crate::mesh::Vec3;
 use crate::mesh::normals::vertex_normals;
 
@@ -20,7 +21,7 @@ const LEAST: f64 = 0.01;
 pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measured> {
     let normals = vertex_normals(&built.topology, base);
     let height: Vec<f64> = (0..base.len()).map(|v| (shell[v] - base[v]).dot(&normals[v])).collect();
-    let take = |probe: &super::Probe| {
+    let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
             Quantity::LargestPeriod => return None,
             Quantity::PeakAmplitude => {

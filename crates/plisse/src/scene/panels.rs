@@ -1,10 +1,9 @@
 //! Panels: what a scene says about them, and the surface they are sewn to.
 
-use super::build::BuiltPanel;
-use super::check::{angle, direction, in_reach, not_blank, positive};
 use super::closed;
-use super::laid::{Laid, Side, extent};
+use super::laid::{BuiltPanel, Laid, Side, extent};
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape, SideTable};
+use super::value::{angle, direction, in_reach, not_blank, positive};
 use crate::mesh::Vec3;
 use crate::mesh::grid::{Diagonal, grid};
 use crate::mesh::islands::side_by_side;
@@ -164,25 +163,6 @@ pub(super) fn outline(place: &str, panel: &PanelTable) -> Result<Outline> {
             Outline::Polygon { corners_m, sides }
         }
     })
-}
-
-/// Names of a panel's sides, as [`Outline`] lists them.
-pub(super) fn side_names(panel: &PanelTable) -> Vec<String> {
-    if let Some(sides) = &panel.sides {
-        return sides.iter().map(|side| side.name.clone()).collect();
-    }
-    let names: &[&str] = match panel.shape {
-        Shape::Rectangle => &Outline::RECTANGLE_SIDES,
-        Shape::Disk => &["rim"],
-        Shape::Annulus => &["outer", "inner"],
-        Shape::Sphere | Shape::Torus => &[],
-        Shape::Polygon => {
-            return (0..panel.corners_m.as_ref().map_or(0, Vec::len))
-                .map(|side| side.to_string())
-                .collect();
-        }
-    };
-    names.iter().map(|&name| name.to_owned()).collect()
 }
 
 /// Unit vectors along the axes of a flat place.

@@ -1,7 +1,7 @@
 //! The same scene on coarser or finer meshes, for studies of what depends on them.
 
 use super::build::{Built, build};
-use super::measure::Quantity;
+use super::probe::Quantity;
 use super::schema::{Pattern, Scene};
 use crate::mesh::subdivide::refine_rest;
 use crate::mesh::{Topology, Vec3};

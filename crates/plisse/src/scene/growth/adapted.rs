@@ -2,36 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::BuiltGrowth;
-use super::count;
-use super::schema::RemeshTable;
-use crate::growth::{AdaptOptions, Surface};
-use crate::mesh::islands::side_by_side;
+use super::build::BuiltGrowth;
+use super::windows;
+use crate::growth::Surface;
 use crate::mesh::islands::side_by_side;
 use crate::mesh::{Topology, Vec2, Vec3};
-use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
-use crate::scene::build::{Built, BuiltPanel};
-use crate::scene::laid::Laid;
+use crate::scene::build::Built;
+use crate::scene::laid::{BuiltPanel, Laid};
 use crate::shell::Clamps;
 use crate::{At, Result};
-
-/// The options of `table` for a scene that starts with this mesh.
-pub(super) fn options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> AdaptOptions {
-    let lengths: f64 = topology.edges.iter().map(|&[i, j]| (start[j] - start[i]).norm()).sum();
-    let mut options =
-        AdaptOptions::new(table.longest_m.unwrap_or(lengths / topology.edge_count() as f64));
-    options.edges_per_wave = table.edges_per_wave.unwrap_or(options.edges_per_wave);
-    options.finish_edges_per_wave = table
-        .finish_edges_per_wave
-        .unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
-    options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
-    options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
-    if table.round_start == Some(true) {
-        options.midpoints = MidpointPlacement::Start;
-    }
-    options
-}
 
 impl BuiltGrowth {
     /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: places
@@ -168,7 +148,7 @@ impl BuiltGrowth {
             attributes: Vec::new(),
             notes: Vec::new(),
         };
-        let windows = count::places(&self.counts, &self.extents, &laid)?;
+        let windows = windows::windows(&self.counts, &self.extents, &laid)?;
         let built = Built {
             clamps: Clamps::none(laid.topology.vertex_count),
             topology: laid.topology,

@@ -1,14 +1,12 @@
 //! What needs no mesh to be checked in `[growth]`.
 
-use super::maps::procedure;
-use super::schema::{
-    AxisKind, BandTable, CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable,
-    MapKind, MapTable, ProcedureTable,
-};
-use crate::scene::check::{direction, in_reach, not_blank, positive, within};
-use crate::scene::garment::not_blank_path;
 use crate::scene::hold::{Grip, check_axes};
-use crate::scene::schema::Scene;
+use crate::scene::maps::procedure;
+use crate::scene::schema::{
+    AxisKind, BandTable, CountTable, DirectionTable, ExpansionTable, FreezeTable, GrowthTable,
+    MapKind, MapTable, ProcedureTable, Scene,
+};
+use crate::scene::value::{direction, in_reach, not_blank, not_blank_path, positive, within};
 use crate::{Error, Result};
 
 /// Most steps one may ask for.

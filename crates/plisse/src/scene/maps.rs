@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
+use super::laid::Laid;
 use super::schema::{
-    AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable,
+    AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable, Scene,
 };
 use crate::growth::{DirectionField, Expansion, ProceduralMap};
 use crate::mesh::islands::side_by_side;
 use crate::mesh::{Mat2, Vec2, Vec3};
-use crate::scene::garment::beside;
-use crate::scene::laid::Laid;
-use crate::scene::schema::Scene;
 use crate::{Error, Result};
 
 /// The procedure of a checked `table`; `None` for an image, for panels and for an attribute.
@@ -53,7 +51,7 @@ pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Re
             attribute(laid, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?
                 .to_vec()
         }
-        (Some(file), _) => image_shares(laid, place, &beside(scene, file))?,
+        (Some(file), _) => image_shares(laid, place, &scene.beside(file))?,
         (None, shares) => {
             let of_panel = |p: usize| {
                 shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default()
@@ -180,11 +178,7 @@ impl Grey {
 }
 
 /// All expansions of the scene, one after the other.
-pub(in crate::scene) fn expansion(
-    scene: &Scene,
-    table: &GrowthTable,
-    laid: &Laid,
-) -> Result<Expansion> {
+pub(super) fn expansion(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Expansion> {
     let mut whole = Expansion::none(&laid.topology, &laid.start)?;
     for (i, one) in table.expansion.iter().enumerate() {
         whole = whole.then(&single(scene, laid, &format!("growth.expansion[{i}]"), one)?);

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 
-use crate::scene::schema::BoxTable;
+use super::hold::BoxTable;
 
 /// `[growth]`: how the surface grows and folds, see [`crate::growth`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]

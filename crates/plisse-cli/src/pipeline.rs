@@ -1,4 +1,4 @@
-//! The road that both commands share: from a pose to files.
+//! The pipeline that `solve` and `wrinkle` share: from a pose to files.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,11 +15,11 @@ use plisse::surface::{MOST_FACES, levels_within};
 use plisse::wrinkled;
 use plisse::{Error, Result};
 
-use crate::Done;
 use crate::arguments::{OutputArguments, Up};
 use crate::outputs;
 use crate::progress::Bars;
 use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
+use crate::terminal::RunEnd;
 
 /// What both commands make of their input.
 pub(crate) struct Job<'a> {
@@ -101,7 +101,7 @@ pub(crate) fn finish(
     interrupted: &AtomicBool,
     begun: Instant,
     measure: impl FnOnce(&WrinkleField, &FieldReport) -> Vec<Measured>,
-) -> Result<Done> {
+) -> Result<RunEnd> {
     let (posed, topology) = (&job.posed, job.posed.topology);
     let solved =
         solve(topology, posed.rest, posed.pose, job.held, posed.material, &job.field, bars)?;
@@ -170,7 +170,7 @@ pub(crate) fn finish(
     report.seconds.surface = surface_begun.elapsed().as_secs_f64();
     report.seconds.total = begun.elapsed().as_secs_f64();
     let table = report.table();
-    outputs::leave(folder, &report, table)?;
+    outputs::finish(folder, &report, table)?;
     drop(spinner);
-    Ok(if was_interrupted { Done::Interrupted } else { Done::Whole })
+    Ok(if was_interrupted { RunEnd::Interrupted } else { RunEnd::Complete })
 }

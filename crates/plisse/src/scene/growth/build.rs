@@ -1,0 +1,420 @@
+//! A scene with `[growth]` made ready for [`crate::growth::grow`].
+
+use super::windows::{self, CountWindow, Extent};
+use crate::growth::reference::ReferenceOptions;
+use crate::growth::{AdaptOptions, Growing, GrowthMaps, GrowthOptions};
+use crate::mesh::{Topology, Vec3};
+use crate::remesh::MidpointPlacement;
+use crate::rest::RestMetric;
+use crate::scene::build::{Built, assemble, lay};
+use crate::scene::hold::{self, AXES, Grip};
+use crate::scene::laid::{Chart, Laid};
+use crate::scene::maps;
+use crate::scene::schema::{
+    BandTable, CountTable, GrowthTable, MapTable, Mode, RemeshTable, Scene,
+};
+use crate::{At, Error, Result};
+
+/// A scene made ready to grow.
+#[derive(Clone, Debug)]
+pub struct BuiltGrowth {
+    /// The surface, with its rest metric before growth, what pushes and what is in its way.
+    pub built: Built,
+    /// How each vertex grows, and folds while it does. Clamps freeze, too.
+    pub maps: GrowthMaps,
+    /// By energy or by forces.
+    pub mode: Mode,
+    /// How folds are solved for.
+    pub options: GrowthOptions,
+    /// How the paper's forces go about it, in the other mode.
+    pub reference: ReferenceOptions,
+    /// Steps of growth at least, if the scene says so.
+    pub steps: Option<usize>,
+    /// Whether folds keep from passing through each other.
+    pub self_contact: bool,
+    /// How the mesh follows the folds; none: it stays as it is.
+    pub adapt: Option<AdaptOptions>,
+    /// What is counted.
+    pub(super) counts: Vec<CountTable>,
+    /// `[panels]` how far their coordinates run.
+    pub(super) extents: Vec<Extent>,
+    /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
+    pub(super) chart: Option<Chart>,
+    /// Where folds are counted.
+    pub(super) windows: Vec<CountWindow>,
+}
+
+impl BuiltGrowth {
+    /// What [`crate::growth::grow`] takes.
+    pub fn growing(&self) -> Growing<'_> {
+        let built = &self.built;
+        Growing {
+            topology: &built.topology,
+            rest: &built.rest,
+            start: &built.start,
+            places: built.start.clone(),
+            maps: self.maps.clone(),
+            loads: built.loads.clone(),
+            obstacles: &built.obstacles,
+            contact_thickness_m: built.contact_thickness_m,
+            self_contact: self.self_contact,
+        }
+    }
+
+    /// The parts of the growth, one for each step; `steps` at least, else as many as the scene
+    /// says.
+    pub fn parts(&self, steps: Option<usize>) -> Vec<f64> {
+        let most = self.maps.most_growth();
+        let mut options = self.options.clone();
+        if let Some(steps) = steps.or(self.steps) {
+            options.largest_step = most / steps as f64;
+        }
+        options.parts(most)
+    }
+}
+
+/// The scene ready to grow. Clamps freeze what they hold.
+///
+/// # Errors
+/// As [`super::build()`], but nothing must be held; [`Error::Value`] if the scene does not grow,
+/// has a clamp that moves, pressure, a map whose image cannot be read or lies on nothing, an
+/// expansion that is none, folds narrower than the mesh can carry, all frozen.
+pub fn build_growth(scene: &Scene) -> Result<BuiltGrowth> {
+    let Some(table) = &scene.growth else {
+        let message = "the scene does not say how it grows; add [growth], or use plisse solve";
+        return Err(Error::value("growth", message).at(&scene.file));
+    };
+    grow_unplaced(scene, table).at(&scene.file)
+}
+
+fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
+    if scene.load.pressure_pa != 0.0 {
+        return Err(Error::value(
+            "load.pressure_pa",
+            "a surface that grows feels no pressure; remove it, or give a bias",
+        ));
+    }
+    if let Some(i) =
+        scene.clamp.iter().position(|clamp| clamp.move_m != [0.0; 3] || clamp.turn.is_some())
+    {
+        return Err(Error::value(
+            format!("clamp[{i}]"),
+            "growth begins where the surface is laid; let the clamp neither move nor turn",
+        ));
+    }
+    let laid = lay(scene)?;
+    let map = |name: &str, table: Option<&MapTable>| match table {
+        Some(table) => maps::map(scene, &laid, &format!("growth.{name}"), table),
+        None => Ok(vec![0.0; laid.start.len()]),
+    };
+    let maps = GrowthMaps {
+        expansion: maps::expansion(scene, table, &laid)?,
+        wavelength_m: map("wavelength_m", Some(&table.wavelength_m))?,
+        coherence_m: map("coherence_m", table.coherence_m.as_ref())?,
+        bias: map("bias", table.bias.as_ref())?,
+        stickiness: map("stickiness", table.stickiness.as_ref())?,
+        hold: table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| {
+            maps::map(scene, &laid, "growth.hold", hold)
+        })?,
+        frozen: frozen(scene, table, &laid)?,
+        bands: bands(scene, table, &laid)?,
+    };
+    let extents: Vec<Extent> = scene.panel.iter().map(windows::extent).collect();
+    let windows = windows::windows(&table.count, &extents, &laid)?;
+    let chart = laid.chart.clone();
+    let mut options = GrowthOptions {
+        young_pa: scene.material.young_pa,
+        poisson: scene.material.poisson,
+        ..GrowthOptions::default()
+    };
+    options.seed = table.seed.unwrap_or(options.seed);
+    options.plasticity = table.plasticity.unwrap_or(options.plasticity);
+    options.imperfection = table.imperfection.unwrap_or(options.imperfection);
+    options.iteration_limit = table.iteration_limit.unwrap_or(options.iteration_limit);
+    let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
+    reference.levels = table.steps.unwrap_or(reference.levels);
+    reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
+    let rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
+    let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
+    let built = assemble(scene, laid, rest, clamps, loads)?;
+    let grown = BuiltGrowth {
+        adapt: table
+            .remesh
+            .as_ref()
+            .map(|remesh| adapt_options(remesh, &built.topology, &built.start)),
+        built,
+        maps,
+        mode: table.mode.unwrap_or_default(),
+        options,
+        reference,
+        steps: table.steps,
+        self_contact: table.self_contact.unwrap_or(true),
+        counts: table.count.clone(),
+        extents,
+        chart,
+        windows,
+    };
+    match &grown.adapt {
+        Some(adapt) => adapt.check(&grown.growing(), &grown.options)?,
+        None => grown.growing().check()?,
+    }
+    Ok(grown)
+}
+
+/// The options of `table` for a scene that starts with this mesh.
+fn adapt_options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> AdaptOptions {
+    let lengths: f64 = topology.edges.iter().map(|&[i, j]| (start[j] - start[i]).norm()).sum();
+    let mut options =
+        AdaptOptions::new(table.longest_m.unwrap_or(lengths / topology.edge_count() as f64));
+    options.edges_per_wave = table.edges_per_wave.unwrap_or(options.edges_per_wave);
+    options.finish_edges_per_wave = table
+        .finish_edges_per_wave
+        .unwrap_or(options.finish_edges_per_wave.max(options.edges_per_wave));
+    options.most_vertices = table.most_vertices.unwrap_or(options.most_vertices);
+    options.finish_iterations = table.finish_iterations.unwrap_or(options.finish_iterations);
+    if table.round_start == Some(true) {
+        options.midpoints = MidpointPlacement::Start;
+    }
+    options
+}
+
+/// `[V]` axes that are frozen, by `[[growth.freeze]]` and by clamps.
+fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 3]>> {
+    let mut frozen: Vec<[bool; 3]> = hold::clamps(scene, laid)?
+        .targets
+        .iter()
+        .map(|target| target.map(|held| held.is_some()))
+        .collect();
+    for (i, freeze) in table.freeze.iter().enumerate() {
+        let place = format!("growth.freeze[{i}]");
+        let grip = || Grip::new(&place, freeze.side.as_deref(), freeze.near_m, freeze.within_m);
+        for v in chosen(scene, laid, &place, freeze.map.as_ref(), grip)? {
+            for (axis, letter) in AXES.into_iter().enumerate() {
+                frozen[v][axis] |= freeze.axes.contains(letter);
+            }
+        }
+    }
+    Ok(frozen)
+}
+
+/// The vertices of every `[[growth.band]]`, ascending.
+fn bands(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<Vec<usize>>> {
+    let of_band = |(i, band): (usize, &BandTable)| {
+        let place = format!("growth.band[{i}]");
+        let grip = || Grip::new(&place, band.side.as_deref(), None, band.within_m);
+        let mut vertices = chosen(scene, laid, &place, band.map.as_ref(), grip)?;
+        vertices.sort_unstable();
+        vertices.dedup();
+        Ok(vertices)
+    };
+    table.band.iter().enumerate().map(of_band).collect()
+}
+
+/// The vertices where `map` is above one half, or that the grip holds.
+fn chosen<'g>(
+    scene: &Scene,
+    laid: &Laid,
+    place: &str,
+    map: Option<&MapTable>,
+    grip: impl Fn() -> Result<Grip<'g>>,
+) -> Result<Vec<usize>> {
+    match map {
+        Some(map) => {
+            let values = maps::map(scene, laid, &format!("{place}.map"), map)?;
+            Ok((0..values.len()).filter(|&v| values[v] > 0.5).collect())
+        }
+        None => Ok(grip()?.vertices(scene, laid, place)?.into_iter().map(|(v, _)| v).collect()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{build, parse};
+
+    const SCENE: &str = r#"
+        title = "sheet"
+        [material]
+        young_pa = 1e5
+        poisson = 0
+        thickness_m = 1e-3
+        [[panel]]
+        name = "p"
+        shape = "rectangle"
+        width_m = 1
+        height_m = 0.5
+        edge_length_m = 0.04
+        [[clamp]]
+        side = "p.left"
+        [growth]
+        wavelength_m = 0.25
+        freeze = [{ side = "p.right", axes = "xz" }]
+        [[growth.expansion]]
+        factor = { kind = "ramp", low = 1, high = 2, from_m = [0, 0, 0], to_m = [1, 0, 0] }
+        direction = [1, 0, 0]
+        [[growth.expansion]]
+        panel = "p"
+        factor = 1.5
+        [[growth.count]]
+        name = "c"
+        panel = "p"
+        low_m = [0.1, 0.1]
+        high_m = [0.9, 0.4]
+    "#;
+
+    fn message(from: &str, to: &str) -> String {
+        assert_eq!(SCENE.matches(from).count(), 1, "{from}");
+        parse("s.toml", &SCENE.replace(from, to))
+            .and_then(|scene| build_growth(&scene))
+            .unwrap_err()
+            .to_string()
+    }
+
+    #[test]
+    fn maps_expansions_and_what_is_frozen_are_read() {
+        let scene = parse("s.toml", SCENE).unwrap();
+        let grown = build_growth(&scene).unwrap();
+        for (v, p) in grown.built.start.iter().enumerate() {
+            let [most, least] = grown.maps.expansion.vertices[v].principal().0;
+            assert!(
+                (most - 1.5 * (1.0 + p.x)).abs() < 1e-9 && (least - 1.5).abs() < 1e-9,
+                "{p}: {most} {least}"
+            );
+            assert_eq!(
+                grown.maps.frozen[v],
+                if p.x == 0.0 { [true; 3] } else { [p.x == 1.0, false, p.x == 1.0] }
+            );
+        }
+        // The same growth drives the base solve.
+        let solved = build(&scene).unwrap();
+        let asked = grown
+            .maps
+            .expansion
+            .act_on(&grown.built.topology, &grown.built.start, &grown.built.rest)
+            .unwrap();
+        assert_eq!(solved.rest, asked);
+        assert!(grown.parts(Some(40)).len() >= 40 && *grown.parts(None).last().unwrap() == 1.0);
+    }
+
+    #[test]
+    fn what_cannot_grow_is_told_in_one_sentence() {
+        let ramp = "{ kind = \"ramp\", low = 1, high = 2, from_m = [0, 0, 0], to_m = [1, 0, 0] }";
+        for (from, to, says) in [
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.05",
+                "growth.wavelength_m: folds 5.000e-2 m apart need edges of",
+            ),
+            ("wavelength_m = 0.25", "wavelength_m = -1", "give a positive number of metres"),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = { kind = \"image\", file = \"none.png\", low = 1, high = 2 }",
+                "none.png: reading failed",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = { kind = \"spots\", low = 1, high = 2 }",
+                "needs centres_m, radius_m",
+            ),
+            ("wavelength_m = 0.25", "wavelength_m = 1\nwind = 3", "there is no field wind here"),
+            (
+                ramp,
+                "{ kind = \"ramp\", low = 1, high = 2, size_m = 3 }",
+                "this is missing; the kind \"ramp\" needs from_m, to_m",
+            ),
+            (
+                ramp,
+                "{ kind = \"slope\", low = 1, high = 2 }",
+                "cannot be \"slope\"; give one of ramp, band",
+            ),
+            (
+                ramp,
+                "{ kind = \"noise\", low = 1, high = 2, size_m = 1, steep = 3 }",
+                "there is no field steep here",
+            ),
+            (ramp, "{ kind = \"noise\", low = 1 }", "it must have kind, low, high"),
+            (ramp, "\"much\"", "give a number, or a table with a kind"),
+            (
+                "factor = 1.5",
+                "factor = -1.5",
+                "growth.expansion[1]: the growth at vertex 0 is -1.5",
+            ),
+            (
+                "factor = 1.5",
+                "tensor = [1, 2, 1]\ndirection = [1, 0, 0]",
+                "not symmetric and positive definite",
+            ),
+            (
+                "factor = 1.5",
+                "factor = 2\ntensor = [1, 2, 1]\ndirection = [1, 0, 0]",
+                "remove one of them",
+            ),
+            ("factor = 1.5", "across = 1.5", "say along which direction"),
+            ("direction = [1, 0, 0]", "direction = [0, 0, 1]", "does not lie in the surface"),
+            ("direction = [1, 0, 0]", "direction = [0, 0, 0]", "no length"),
+            (
+                "panel = \"p\"\n        factor",
+                "panel = \"q\"\n        factor",
+                "there is no panel \"q\"",
+            ),
+            (
+                "freeze = [{ side = \"p.right\", axes = \"xz\" }]",
+                "freeze = [{ map = 1 }]",
+                "every vertex is frozen",
+            ),
+            ("axes = \"xz\"", "axes = \"w\"", "growth.freeze[0].axes"),
+            (
+                "side = \"p.right\", axes = \"xz\"",
+                "axes = \"xz\"",
+                "does not say where; give one of side, near_m, within_m and map",
+            ),
+            ("side = \"p.left\"", "side = \"p.left\"\nmove_m = [0, 0, 1]", "neither move nor turn"),
+            ("high_m = [0.9, 0.4]", "high_m = [9, 9]", "reaches beyond"),
+            ("high_m = [0.9, 0.4]", "radius_m = 1", "or centre_m, radius_m and width_m for a ring"),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nplasticity = 2",
+                "growth.plasticity: 2 is no share",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.005\nremesh = { most_vertices = 9000 }",
+                "need about 1",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nremesh = { edges_per_wave = 2 }",
+                "carry no folds",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nremesh = { edges_per_wave = 9, finish_edges_per_wave = 8 }",
+                "as many or more",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nremesh = { longest_m = 0 }",
+                "growth.remesh.longest_m: 0 is no length",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nplasticity = 0.5\nremesh = {}",
+                "give one of them only",
+            ),
+            (
+                "wavelength_m = 0.25",
+                "wavelength_m = 0.25\nremesh = { finest = 1 }",
+                "there is no field finest here",
+            ),
+        ] {
+            let text = message(from, to);
+            assert!(
+                text.contains(says) && text.starts_with("s.toml, ") && text.contains("; "),
+                "{to}: {text}"
+            );
+        }
+        let none = SCENE.split("[growth]").next().unwrap();
+        let text = build_growth(&parse("s.toml", none).unwrap()).unwrap_err().to_string();
+        assert!(text.contains("does not say how it grows"), "{text}");
+    }
+}

@@ -1,0 +1,58 @@
+//! The material and the options of the solves that a scene asks for.
+
+use super::schema::{Rule, Scene};
+use crate::field::{FieldOptions, WrinkleFreeRule};
+use crate::material::Material;
+use crate::shell::BaseOptions;
+use crate::{At, Result};
+
+/// Name in `field.without` that is no term of the energy.
+pub(super) const RELAXED_INTEGRABILITY: &str = "relaxed-integrability";
+
+/// The material.
+pub(super) fn material(scene: &Scene) -> Result<Material> {
+    let m = &scene.material;
+    Material::new(m.young_pa, m.poisson, m.thickness_m)
+        .map_err(|error| match error.field() {
+            Some("young") => error.about("young_pa"),
+            Some("thickness") => error.about("thickness_m"),
+            _ => error,
+        })
+        .at("material")
+}
+
+/// The options of the base solve.
+pub(super) fn base_options(scene: &Scene) -> BaseOptions {
+    let mut options = BaseOptions::default();
+    if let Some(share) = scene.base.compressive_stiffness {
+        options.compressive_stiffness = share;
+    }
+    if let Some(limit) = scene.base.iteration_limit {
+        options.iteration_limit = limit;
+    }
+    options
+}
+
+/// The options of the field's solve.
+pub(super) fn field_options(scene: &Scene) -> FieldOptions {
+    let mut options = FieldOptions::default();
+    match scene.field.wrinkle_free {
+        Some(Rule::Paper) => options.rule = WrinkleFreeRule::Paper,
+        Some(Rule::Published) => options.rule = WrinkleFreeRule::Published,
+        None => {}
+    }
+    for name in &scene.field.without {
+        if name == RELAXED_INTEGRABILITY {
+            options.relaxed_integrability = false;
+        } else if let Some(terms) = options.terms.without(name) {
+            options.terms = terms;
+        }
+    }
+    if let Some(rings) = scene.field.curvature_rings {
+        options.curvature_rings = rings;
+    }
+    if let Some(limit) = scene.field.iteration_limit {
+        options.iteration_limit = limit;
+    }
+    options
+}
