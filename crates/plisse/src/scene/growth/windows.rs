@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use crate::Result;
 use crate::mesh::Vec2;
 use crate::relief::{Relief, Window};
 use crate::scene::laid::Laid;
 use crate::scene::schema::{CountTable, PanelAxis, PanelTable, Shape};
-use crate::Result;
 
 /// Points of the window to a wavelength along the growth, and rows across.
 pub(super) const POINTS: (f64, usize) = (24.0, 41);
