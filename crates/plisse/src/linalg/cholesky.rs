@@ -293,14 +293,14 @@ mod tests {
                 cholesky.solve(&mut x);
                 // Once more, in memory that was used before.
                 assert!(cholesky.factorise(&values));
-                let mut again = right.clone();
-                cholesky.solve(&mut again);
-                (x, again)
+                let mut second = right.clone();
+                cholesky.solve(&mut second);
+                (x, second)
             })
         };
-        let (x, again) = solved(1);
+        let (x, second) = solved(1);
         assert!(x.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-10));
-        for other in [again, solved(2).0, solved(4).0, solved(4).1] {
+        for other in [second, solved(2).0, solved(4).0, solved(4).1] {
             assert!(x.iter().zip(&other).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
         values[pattern.slot(n / 2, n / 2)] = 1.0;

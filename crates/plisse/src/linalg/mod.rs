@@ -1,13 +1,19 @@
-//! Numerical ground floor: symmetric sparse matrices assembled from elements ([`sparse`],
-//! `vertex_pattern`), their Cholesky factorisation with a symbolic part that is made once
-//! ([`cholesky`], over `ordering`, `nested_dissection`, `symbolic` and `multifrontal`),
-//! bound-constrained Newton ([`newton`] on a [`problem`], its directions by `newton_direction`),
-//! projection of element Hessians (`psd_projection`), closest integer vectors ([`lattice`]), and
-//! derivative checks for tests (`derivative_check`).
+//! Numerical ground floor, without any geometry: symmetric sparse matrices assembled from elements
+//! ([`sparse`], `vertex_pattern`), their Cholesky factorisation with a symbolic analysis that is
+//! made once ([`cholesky`]), bound-constrained Newton ([`newton`] on a [`problem`]), projection of
+//! element Hessians to positive semidefinite ones (`psd_projection`), closest integer vectors
+//! ([`lattice`]), and derivative checks for tests (`derivative_check`).
+//!
+//! Factorisation: `ordering` (over `nested_dissection`, with its `separator`s of a `graph`),
+//! `symbolic` analysis, `assembly` of fronts, and `multifrontal` elimination of each
+//! `dense_front`. Newton: `newton_direction` (with the `blend_weight` of the Hessian), `damping`,
+//! `line_search`, and escape from a `saddle`.
 
+mod assembly;
 mod blend_weight;
 pub mod cholesky;
 mod damping;
+mod dense_front;
 #[cfg(test)]
 pub(crate) mod derivative_check;
 mod graph;

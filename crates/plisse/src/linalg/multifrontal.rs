@@ -7,30 +7,21 @@
 //! threads: children are added as they are numbered, and large fronts are divided into tiles of a
 //! fixed width.
 
-use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{
-    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
-};
 use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
 use faer::prelude::{Reborrow, ReborrowMut};
-use faer::{Accum, MatMut, MatRef, Par, Spec};
-use rayon::prelude::*;
+use faer::{Accum, MatMut, MatRef, Par};
 
-use super::graph::inverse_permutation;
+use super::assembly::{Entry, Supernode, assembly_map, assembly_tree};
+use super::dense_front::{factorise_panel, subtract_square};
 use super::sparse::SymmetricPattern;
 use super::symbolic::{self, SymbolicFactorisation};
 
-/// Width of the tiles of large fronts: columns that are eliminated at once, and rows that are
-/// solved for at once.
-const TILE: usize = 192;
 /// Operation count from which on a subtree is worth a thread.
 const PARALLEL_OPERATIONS: f64 = 4e6;
 /// Least share of all operations of a subtree that is worth a thread: bounds the number of tasks
@@ -55,43 +46,6 @@ pub(super) struct Multifrontal {
     rhs: Vec<f64>,
     /// Memory for the rows of `rhs` below one supernode.
     below: Vec<f64>,
-}
-
-/// The assembly of one entry of the matrix.
-#[derive(Clone, Copy)]
-struct Entry {
-    /// Slot in the matrix's values.
-    slot: u32,
-    /// Position in the panel of its supernode.
-    target: u32,
-}
-
-struct Supernode {
-    columns: Range<usize>,
-    /// Rows below the columns.
-    rows: Vec<usize>,
-    /// Range in the factor of its panel: `width + below` rows by `width` columns.
-    panel: Range<usize>,
-    /// Start in the factor of the panels of its subtree.
-    subtree_start: usize,
-    /// First supernode of its subtree; the others follow, itself the last.
-    first: usize,
-    children: Vec<usize>,
-    /// Relative indices: the rows below as rows of the parent's front, by contiguous runs.
-    relative: Vec<RelativeRun>,
-    /// Its entries of the matrix, in [`Multifrontal::entries`].
-    entries: Range<usize>,
-    /// Operation count of its subtree.
-    subtree_operations: f64,
-}
-
-/// Rows that are contiguous both in a front and in its parent's.
-struct RelativeRun {
-    /// The first, among the rows below the front's columns.
-    from: usize,
-    /// The first, among the rows of the parent's front.
-    to: usize,
-    length: usize,
 }
 
 impl Multifrontal {
@@ -164,141 +118,6 @@ impl Multifrontal {
         }
         order.iter().zip(rhs.iter()).for_each(|(&unknown, at)| x[unknown] = *at);
     }
-}
-
-impl Supernode {
-    /// Number of columns, and of rows below them.
-    fn size(&self) -> (usize, usize) {
-        (self.columns.len(), self.rows.len())
-    }
-
-    /// Extend-add: adds its `update` block to `columns` of its parent's front, of which `out` holds
-    /// the last `height` rows.
-    fn extend_add(&self, update: &[f64], columns: Range<usize>, out: &mut [f64], height: usize) {
-        let below = self.rows.len();
-        // Rows of the front above those in `out`: all that is stored begins with the first column's
-        // diagonal.
-        let above = columns.start;
-        for (p, run) in self.relative.iter().enumerate() {
-            for k in 0..run.length {
-                if !columns.contains(&(run.to + k)) {
-                    continue;
-                }
-                let out = &mut out[(run.to + k - above) * height..][..height];
-                let update = &update[(run.from + k) * below..][..below];
-                let mut add = |from: usize, to: usize, length: usize| {
-                    out[to - above..][..length]
-                        .iter_mut()
-                        .zip(&update[from..][..length])
-                        .for_each(|(out, update)| *out += update);
-                };
-                add(run.from + k, run.to + k, run.length - k);
-                self.relative[p + 1..].iter().for_each(|run| add(run.from, run.to, run.length));
-            }
-        }
-    }
-
-    /// Its part of the factor: the triangle of its columns, and the rows below.
-    fn factor<'a>(&self, factor: &'a [f64]) -> (MatRef<'a, f64>, MatRef<'a, f64>) {
-        let (width, below) = self.size();
-        MatRef::from_column_major_slice(&factor[self.panel.clone()], width + below, width)
-            .split_at_row(width)
-    }
-}
-
-/// The tree of supernodes with their panels and relative indices; the entries of the matrix are
-/// still to be given out ([`assembly_map`]).
-fn assembly_tree(all: &[symbolic::Supernode]) -> Vec<Supernode> {
-    let mut children = vec![Vec::new(); all.len()];
-    let mut supernodes: Vec<Supernode> = Vec::with_capacity(all.len());
-    let mut end = 0;
-    for (s, node) in all.iter().enumerate() {
-        let parent = all.get(node.parent);
-        if parent.is_some() {
-            children[node.parent].push(s);
-        }
-        let children = std::mem::take(&mut children[s]);
-        let first_child = children.first().map(|&child| &supernodes[child]);
-        let (width, below) = (node.width(), node.rows.len());
-        let panel = end..end + width * (width + below);
-        end = panel.end;
-        supernodes.push(Supernode {
-            columns: node.columns.clone(),
-            rows: node.rows.clone(),
-            subtree_start: first_child.map_or(panel.start, |child| child.subtree_start),
-            first: first_child.map_or(s, |child| child.first),
-            panel,
-            subtree_operations: node.operations()
-                + children.iter().map(|&child| supernodes[child].subtree_operations).sum::<f64>(),
-            children,
-            relative: parent.map_or_else(Vec::new, |parent| relative_runs(&node.rows, parent)),
-            entries: 0..0,
-        });
-    }
-    supernodes
-}
-
-/// Relative indices of `rows` in the front of `parent`.
-fn relative_runs(rows: &[usize], parent: &symbolic::Supernode) -> Vec<RelativeRun> {
-    let (mut runs, mut below) = (Vec::<RelativeRun>::new(), 0);
-    for (from, &row) in rows.iter().enumerate() {
-        let to = if row < parent.columns.end {
-            row - parent.columns.start
-        } else {
-            below += parent.rows[below..].iter().take_while(|&&other| other < row).count();
-            parent.columns.len() + below
-        };
-        match runs.last_mut() {
-            Some(last) if last.to + last.length == to => last.length += 1,
-            _ => runs.push(RelativeRun { from, to, length: 1 }),
-        }
-    }
-    runs
-}
-
-/// Sorts the entries of the matrix by supernode and finds their positions in the panels.
-fn assembly_map(
-    pattern: &SymmetricPattern,
-    order: &[usize],
-    supernodes: &mut [Supernode],
-) -> Vec<Entry> {
-    let n = order.len();
-    let position = inverse_permutation(order);
-    let all = || {
-        (0..n).flat_map(|column| {
-            (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot))
-        })
-    };
-    let column_and_row = |column: usize, slot: usize| {
-        let (p, q) = (position[column], position[pattern.rows[slot]]);
-        (p.min(q), p.max(q))
-    };
-    // Entries by column: first the slot and, as the target, the row; then, supernode after
-    // supernode, the position in the panel for the row.
-    let mut end = vec![0; n + 1];
-    all().for_each(|(column, slot)| end[column_and_row(column, slot).0 + 1] += 1);
-    (0..n).for_each(|k| end[k + 1] += end[k]);
-    let begin = end.clone();
-    let mut entries = vec![Entry { slot: 0, target: 0 }; pattern.entry_count()];
-    for (column, slot) in all() {
-        let (column, row) = column_and_row(column, slot);
-        entries[end[column]] = Entry { slot: slot as u32, target: row as u32 };
-        end[column] += 1;
-    }
-    let mut row_in_front = vec![0; n];
-    for node in supernodes {
-        let (width, below) = node.size();
-        let rows = node.columns.clone().chain(node.rows.iter().copied());
-        rows.enumerate().for_each(|(k, row)| row_in_front[row] = k);
-        for (k, column) in node.columns.clone().enumerate() {
-            for entry in &mut entries[begin[column]..begin[column + 1]] {
-                let row = row_in_front[entry.target as usize];
-                entry.target = (row + k * (width + below)) as u32;
-            }
-        }
-        node.entries = begin[node.columns.start]..begin[node.columns.end];
-    }
-    entries
 }
 
 /// Memory of small update blocks that were used up.
@@ -455,96 +274,4 @@ impl Factorisation<'_> {
         updates.into_iter().for_each(|update| self.fronts.pool.put_back(update));
         schur
     }
-}
-
-/// Replaces the columns of a front by those of its factor, tile after tile. Returns false if they
-/// are not positive definite.
-fn factorise_panel(panel: MatMut<'_, f64>) -> bool {
-    let width = panel.ncols();
-    let tile = width.min(TILE);
-    let (columns, mut after) = panel.split_at_col_mut(tile);
-    let (mut top, mut bottom) = columns.split_at_row_mut(tile);
-    let mut memory =
-        MemBuffer::new(cholesky_in_place_scratch::<f64>(tile, Par::Seq, Spec::default()));
-    let stack = MemStack::new(&mut memory);
-    if cholesky_in_place(
-        top.rb_mut(),
-        LltRegularization::default(),
-        Par::Seq,
-        stack,
-        Spec::default(),
-    )
-    .is_err()
-    {
-        return false;
-    }
-    let top = top.rb();
-    let solve = |rows: MatMut<'_, f64>| {
-        solve_lower_triangular_in_place(top, rows.transpose_mut(), Par::Seq)
-    };
-    if bottom.nrows() <= TILE {
-        solve(bottom.rb_mut());
-    } else {
-        row_tiles(bottom.rb_mut()).into_par_iter().for_each(solve);
-    }
-    if width == tile {
-        return true;
-    }
-    let mut after = after.rb_mut().split_at_row_mut(tile).1;
-    subtract_square(after.rb_mut(), Accum::Add, bottom.rb());
-    factorise_panel(after)
-}
-
-/// `out −= l·lᵀ`, or `out = −l·lᵀ`, on the lower triangle of as many columns as `out` has; above it
-/// `out` is untouched or meaningless.
-fn subtract_square(out: MatMut<'_, f64>, accum: Accum, l: MatRef<'_, f64>) {
-    let one = |(first, out): (usize, MatMut<'_, f64>)| {
-        let l = l.split_at_row(first).1;
-        let (across, low) = l.split_at_row(out.ncols());
-        let (top, rest) = out.split_at_row_mut(across.nrows());
-        let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-        triangular::matmul(
-            top,
-            lower,
-            accum,
-            across,
-            full,
-            across.transpose(),
-            full,
-            -1.0,
-            Par::Seq,
-        );
-        if low.nrows() > 0 {
-            matmul(rest, accum, low, across.transpose(), -1.0, Par::Seq);
-        }
-    };
-    if out.ncols() <= TILE {
-        one((0, out));
-    } else {
-        column_tiles(out).into_par_iter().for_each(one);
-    }
-}
-
-fn row_tiles(mut rows: MatMut<'_, f64>) -> Vec<MatMut<'_, f64>> {
-    let mut tiles = Vec::new();
-    while rows.nrows() > TILE {
-        let (tile, rest) = rows.split_at_row_mut(TILE);
-        tiles.push(tile);
-        rows = rest;
-    }
-    tiles.push(rows);
-    tiles
-}
-
-/// Tiles of columns, from the row of their diagonal on, and the number of their first column.
-fn column_tiles(mut columns: MatMut<'_, f64>) -> Vec<(usize, MatMut<'_, f64>)> {
-    let (mut tiles, mut first) = (Vec::new(), 0);
-    while columns.ncols() > TILE {
-        let (tile, rest) = columns.split_at_col_mut(TILE);
-        tiles.push((first, tile));
-        columns = rest.split_at_row_mut(TILE).1;
-        first += TILE;
-    }
-    tiles.push((first, columns));
-    tiles
 }

@@ -280,25 +280,15 @@ mod tests {
         IndexBlocks { graph, members }
     }
 
-    #[test]
-    fn supernodes_hold_what_elimination_fills_in() {
-        let blocks = grid();
-        let n = blocks.graph.size();
-        // An order without much sense.
-        let order: Vec<usize> = (0..n).map(|k| (k * 60 + 7) % n).collect();
-        let found = SymbolicFactorisation::analyse(&blocks, &order);
-        let size = found.order.len();
-        let (mut block_of, mut sorted) = (vec![NONE; size], found.order.clone());
-        blocks
-            .members
-            .iter()
-            .enumerate()
-            .for_each(|(b, members)| members.iter().for_each(|&i| block_of[i] = b));
-        sorted.sort_unstable();
-        assert!(sorted.into_iter().eq(0..size));
-        // Elimination, entry by entry.
+    /// `[n][n]` the entries of the factor, by elimination entry by entry.
+    fn dense_fill(blocks: &IndexBlocks, order: &[usize]) -> Vec<Vec<bool>> {
+        let size = order.len();
+        let mut block_of = vec![NONE; size];
+        for (b, members) in blocks.members.iter().enumerate() {
+            members.iter().for_each(|&i| block_of[i] = b);
+        }
         let coupled = |i: usize, j: usize| {
-            blocks.graph.find(block_of[found.order[i]], block_of[found.order[j]]).is_some()
+            blocks.graph.find(block_of[order[i]], block_of[order[j]]).is_some()
         };
         let mut filled: Vec<Vec<bool>> =
             (0..size).map(|i| (0..size).map(|j| coupled(i, j)).collect()).collect();
@@ -306,34 +296,50 @@ mod tests {
             let after: Vec<usize> = (k + 1..size).filter(|&i| filled[i][k]).collect();
             after.iter().for_each(|&i| after.iter().for_each(|&j| filled[i][j] = true));
         }
+        filled
+    }
+
+    /// Asserts that the rows of supernode `s` ascend and are in its parent's front.
+    fn check_rows(supernodes: &[Supernode], s: usize) {
+        let node = &supernodes[s];
+        assert!(node.rows.windows(2).all(|two| two[0] < two[1]));
+        assert!(node.rows.iter().all(|&row| row >= node.columns.end));
+        match node.rows.first() {
+            None => assert_eq!(node.parent, NONE),
+            Some(row) => {
+                let parent = &supernodes[node.parent];
+                assert!(node.parent > s && parent.columns.contains(row));
+                let has = |row: &usize| parent.columns.contains(row) || parent.rows.contains(row);
+                assert!(node.rows.iter().all(has));
+            }
+        }
+    }
+
+    #[test]
+    fn supernodes_hold_the_fill_of_elimination() {
+        let blocks = grid();
+        let n = blocks.graph.size();
+        // An order without much sense.
+        let order: Vec<usize> = (0..n).map(|k| (k * 60 + 7) % n).collect();
+        let symbolic = SymbolicFactorisation::analyse(&blocks, &order);
+        let size = symbolic.order.len();
+        let mut sorted = symbolic.order.clone();
+        sorted.sort_unstable();
+        assert!(sorted.into_iter().eq(0..size));
+        let filled = dense_fill(&blocks, &symbolic.order);
         let mut stored = vec![vec![false; size]; size];
         let (mut next, mut operations) = (0, 0.0);
-        for (s, node) in found.supernodes.iter().enumerate() {
+        for (s, node) in symbolic.supernodes.iter().enumerate() {
             assert_eq!(node.columns.start, next);
             next = node.columns.end;
-            assert!(
-                node.rows.windows(2).all(|two| two[0] < two[1])
-                    && node.rows.iter().all(|&row| row >= next)
-            );
-            match node.rows.first() {
-                None => assert_eq!(node.parent, NONE),
-                Some(row) => {
-                    let parent = &found.supernodes[node.parent];
-                    assert!(node.parent > s && parent.columns.contains(row));
-                    assert!(
-                        node.rows
-                            .iter()
-                            .all(|row| parent.columns.contains(row) || parent.rows.contains(row))
-                    );
-                }
-            }
+            check_rows(&symbolic.supernodes, s);
             for column in node.columns.clone() {
                 let rows: Vec<usize> = (column..next).chain(node.rows.iter().copied()).collect();
                 operations += (rows.len() as f64).powi(2);
                 rows.into_iter().for_each(|row| stored[row][column] = true);
             }
         }
-        assert_eq!((next, found.operations), (size, operations));
+        assert_eq!((next, symbolic.operations), (size, operations));
         let count = |all: &[Vec<bool>]| {
             (0..size).map(|j| (j..size).filter(|&i| all[i][j]).count()).sum::<usize>()
         };
