@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use plisse::field::WrinkleFreeRule;
+use plisse::mesh::Up;
 
 /// Puts wrinkles on coarse triangle meshes.
 #[derive(Parser)]
@@ -364,7 +366,7 @@ pub(crate) struct WrinkleArguments {
     #[arg(long, value_name = "FILE")]
     pub(crate) clamp: Option<PathBuf>,
     /// Which axis of the meshes points up, for the picture and for wrinkled.glb
-    #[arg(long, value_enum, default_value_t = Up::Y)]
+    #[arg(long, value_parser = up(), default_value = "y")]
     pub(crate) up: Up,
     /// How wrinkle-free faces are found
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
@@ -419,13 +421,13 @@ pub(crate) enum StudyName {
     All,
 }
 
-/// Names of the axes that can point up.
-#[derive(Clone, Copy, ValueEnum)]
-pub(crate) enum Up {
-    /// As most programs export OBJ, and as glTF has it
-    Y,
-    /// As scene files have it
-    Z,
+/// The parser of `--up`.
+fn up() -> impl TypedValueParser<Value = Up> {
+    PossibleValuesParser::new([
+        PossibleValue::new("y").help("As most programs export OBJ, and as glTF has it"),
+        PossibleValue::new("z").help("As scene files have it"),
+    ])
+    .map(|name| if name == "y" { Up::Y } else { Up::Z })
 }
 
 /// Names of the rules for wrinkle-free faces.

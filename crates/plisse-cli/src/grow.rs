@@ -12,10 +12,10 @@ use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapt
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
-use plisse::mesh::Vec3;
+use plisse::mesh::{Up, Vec3};
 use plisse::mesh::normals::vertex_normals;
 use plisse::picture::CLOTH;
-use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject};
+use plisse::picture::{Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};
 use plisse::relief::offsets_m;
 use plisse::rest::RestMetric;
@@ -29,7 +29,7 @@ use crate::outputs::{self, CLOTH_SRGB, Frame, draw_frames, draw_panels_by};
 use crate::pipeline::{open_output_at, with_threads};
 use crate::progress::Bars;
 use crate::report::ending_name;
-use crate::terminal::RunEnd;
+use crate::terminal::{RunEnd, with_hint};
 use report::{Report, Seconds, StepSummary};
 
 /// Share of the growth that is missing from which on it is worth a note.
@@ -227,7 +227,11 @@ fn follow(
 
 pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
-    let mut grown = scene::build_growth(&scene::read(&arguments.scene)?)?;
+    let scene = scene::read(&arguments.scene)?;
+    let mut grown = scene::build_growth(&scene).map_err(|error| match scene.growth {
+        None => with_hint(error, ", or use plisse solve"),
+        Some(_) => error,
+    })?;
     let mode = match arguments.mode {
         Some(GrowthMode::Variational) => Mode::Variational,
         Some(GrowthMode::Reference) => Mode::Reference,
@@ -376,7 +380,7 @@ fn write_meshes(folder: &mut OutputFolder, grown: &BuiltGrowth, pose: &[Vec3]) -
     folder.write("folded.obj", |out| obj::write(out, pose, faces, texture))?;
     let normals = vertex_normals(&grown.built.topology, pose);
     let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
-    folder.write("folded.glb", |out| glb::write(out, &mesh, CLOTH, glb::UpAxis::Z))
+    folder.write("folded.glb", |out| glb::write(out, &mesh, CLOTH, Up::Z))
 }
 
 /// The start with its expansion, the offset on it, what strain is left, and what has folded.
@@ -434,8 +438,8 @@ fn camera(start: &[Vec3], pose: &[Vec3]) -> Camera {
         start.iter().fold((start[0], start[0]), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = high - low;
     if size.z < LYING * size.x.min(size.y) {
-        Camera::fit(pose, Axis::Z, 20.0, 45.0)
+        Camera::fit(pose, Up::Z, 20.0, 45.0)
     } else {
-        Camera::automatic(pose, Axis::Z)
+        Camera::automatic(pose, Up::Z)
     }
 }

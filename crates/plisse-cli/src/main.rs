@@ -43,7 +43,7 @@ fn main() -> ExitCode {
             ExitCode::from(130)
         }
         Err(error) => {
-            eprint_line(&format!("error: {error}"));
+            eprint_line(&format!("error: {error}{}", terminal::hint(&error)));
             ExitCode::from(2)
         }
     }

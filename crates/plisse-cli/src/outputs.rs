@@ -2,13 +2,12 @@
 
 use plisse::Result;
 use plisse::io::aside::OutputFolder;
-use plisse::mesh::{Topology, Vec3};
+use plisse::mesh::{Topology, Up, Vec3};
 use plisse::obstacle::Obstacle;
-use plisse::picture::{Axis, Camera, Image, Paint, PanelView, Subject, draw_among};
+use plisse::picture::{Camera, Image, Paint, PanelView, Subject, draw_among};
 use plisse::wrinkled::Wrinkled;
 use serde::Serialize;
 
-use crate::arguments::Up;
 use crate::terminal;
 
 /// Colours of the wrinkled surface and of what lies under it in pictures (sRGB).
@@ -79,15 +78,11 @@ pub(crate) fn draw_panels_at(
     obstacles: &[Obstacle],
     size: (usize, usize),
 ) -> Image {
-    let axis = match up {
-        Up::Y => Axis::Y,
-        Up::Z => Axis::Z,
-    };
     let bodies = bodies_around(pose, obstacles);
     draw_among(
         panels,
         Subject { positions: &bodies.0, faces: &bodies.1 },
-        &Camera::automatic(pose, axis),
+        &Camera::automatic(pose, up),
         size,
     )
 }

@@ -6,16 +6,15 @@ use std::time::Instant;
 
 use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, solve};
 use plisse::io::aside::OutputFolder;
-use plisse::io::glb::UpAxis;
 use plisse::linalg::Ending;
-use plisse::mesh::Topology;
+use plisse::mesh::{Topology, Up};
 use plisse::scene::Measured;
 use plisse::shell::BaseReport;
 use plisse::surface::{MOST_FACES, levels_within};
 use plisse::wrinkled;
 use plisse::{Error, Result};
 
-use crate::arguments::{OutputArguments, Up};
+use crate::arguments::OutputArguments;
 use crate::outputs;
 use crate::progress::Bars;
 use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
@@ -130,10 +129,6 @@ pub(crate) fn finish(
     drop(spinner);
 
     let spinner = bars.spinner("files");
-    let axis = match job.up {
-        Up::Y => UpAxis::Y,
-        Up::Z => UpAxis::Z,
-    };
     let draw = || {
         outputs::picture(
             topology,
@@ -146,7 +141,7 @@ pub(crate) fn finish(
     };
     let (picture, written) = rayon::join(
         || (!arguments.no_picture).then(draw),
-        || posed.write(&mut folder, field, &wrinkled, axis),
+        || posed.write(&mut folder, field, &wrinkled, job.up),
     );
     written?;
     match picture {

@@ -7,7 +7,7 @@ use std::time::Instant;
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
-use plisse::mesh::Vec3;
+use plisse::mesh::{Up, Vec3};
 use plisse::mesh::normals::vertex_normals;
 use plisse::picture::CLOTH;
 use plisse::picture::{Paint, PanelView, Subject};
@@ -17,12 +17,11 @@ use plisse::strain::strain;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 
-use crate::arguments::{ShellArguments, Start, Up};
+use crate::arguments::{ShellArguments, Start};
 use crate::outputs::{self, BASE_SRGB, CLOTH_SRGB, draw_panels};
 use crate::pipeline::{open_output_at, with_threads};
 use crate::progress::Bars;
 use crate::report::{BaseSummary, measured_row, shell_ending};
-use crate::solve::base_notes;
 use crate::terminal::RunEnd;
 
 /// What a run found. Field names carry the units.
@@ -63,7 +62,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
         let (start, base) = match arguments.start {
             Start::Base => {
                 let (pose, base) = scene::solve_base(&scene, &built, &bars)?;
-                notes.extend(base_notes(&base));
+                notes.extend(scene::base_notes(&base));
                 (pose, Some(base))
             }
             Start::Flat => (built.start.clone(), None),
@@ -167,7 +166,7 @@ fn write(
     folder.write("shell.obj", |out| obj::write(out, pose, faces, texture))?;
     let normals = vertex_normals(&built.topology, pose);
     let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
-    folder.write("shell.glb", |out| glb::write(out, &mesh, CLOTH, glb::UpAxis::Z))?;
+    folder.write("shell.glb", |out| glb::write(out, &mesh, CLOTH, Up::Z))?;
     if arguments.no_picture {
         folder.leave_out("picture.png");
     } else {

@@ -4,10 +4,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use plisse::Result;
+use plisse::mesh::Up;
 use plisse::scene;
-use plisse::shell::BaseReport;
 
-use crate::arguments::{SolveArguments, Up};
+use crate::arguments::SolveArguments;
 use crate::pipeline::{Job, check_levels, finish, leave_out, open_output, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
@@ -40,34 +40,10 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
             field: built.field.clone(),
             up: Up::Z,
             base: Some(&base),
-            notes: built.notes.iter().cloned().chain(base_notes(&base)).collect(),
+            notes: built.notes.iter().cloned().chain(scene::base_notes(&base)).collect(),
         };
         finish(job, &arguments.output, folder, &bars, interrupted, begun, |field, report| {
             scene::measure(&built, field, report)
         })
     })
-}
-
-/// What the user should know about a base surface: the paper's own warning about tension field
-/// theory.
-pub(crate) fn base_notes(base: &BaseReport) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(first) = base.resolved_faces.first() {
-        let count = base.resolved_faces.len();
-        notes.push(format!(
-            "{count} face(s) started inside an obstacle, the first is face {first}; \
-            they were pushed out"
-        ));
-    }
-    for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")]
-    {
-        if let Some(first) = faces.first() {
-            notes.push(format!(
-                "the base surface has {} {what} face(s), the first is face {first}; try another \
-                 base.compressive_stiffness (0, 1e-3, 1e-2) or finer edges",
-                faces.len()
-            ));
-        }
-    }
-    notes
 }

@@ -3,6 +3,8 @@
 
 use std::io::Write as _;
 
+use plisse::Error;
+
 /// How a run ended that did not fail.
 pub(crate) enum RunEnd {
     /// Everything was done.
@@ -20,4 +22,20 @@ pub(crate) fn eprint_line(line: &str) {
 /// files are written.
 pub(crate) fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// The flag that helps after `error`, if there is one.
+pub(crate) fn hint(error: &Error) -> &'static str {
+    match error {
+        Error::File { doing: "writing", .. } => " (-o DIR)",
+        _ => "",
+    }
+}
+
+/// `error` with `hint` behind its message.
+pub(crate) fn with_hint(error: Error, hint: &str) -> Error {
+    match error {
+        Error::Value { field, message } => Error::Value { field, message: message + hint },
+        other => other,
+    }
 }

@@ -9,8 +9,8 @@ use std::error::Error;
 use plisse::growth::reference::{ReferenceOptions, grow_by_forces};
 use plisse::growth::{Expansion, Growing, GrowthOptions, grow};
 use plisse::mesh::grid::{Diagonal, grid};
-use plisse::mesh::{Topology, Vec2, Vec3};
-use plisse::picture::{Axis, Camera, Paint, PanelView, Subject, draw, write_png};
+use plisse::mesh::{Topology, Up, Vec2, Vec3};
+use plisse::picture::{Camera, Paint, PanelView, Subject, draw, write_png};
 use plisse::progress::Silent;
 use plisse::relief::{Relief, Window, offsets_m, realised_growth};
 use plisse::rest::RestMetric;
@@ -188,7 +188,7 @@ fn main() -> Outcome<()> {
             };
             let image = draw(
                 &[panel(0), panel(1), panel(2), panel(3)],
-                &Camera::fit(&poses[3], Axis::Z, 25.0, 40.0),
+                &Camera::fit(&poses[3], Up::Z, 25.0, 40.0),
                 (1600, 1200),
             );
             write_png(

@@ -9,7 +9,7 @@ use crate::io::{glb, obj};
 use crate::material::Material;
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::subdivide::refine_rest;
-use crate::mesh::{Topology, Vec2, Vec3};
+use crate::mesh::{Topology, Up, Vec2, Vec3};
 use crate::obstacle::Obstacle;
 use crate::picture::CLOTH;
 use crate::rest::RestMetric;
@@ -81,7 +81,7 @@ impl Posed<'_> {
         folder: &mut OutputFolder,
         field: &WrinkleField,
         wrinkled: &Wrinkled,
-        up: glb::UpAxis,
+        up: Up,
     ) -> Result<()> {
         let refined = self
             .texture

@@ -2,7 +2,7 @@
 
 use plisse::field::{Period, Solved, WrinkleField, solve};
 use plisse::linalg::Ending;
-use plisse::mesh::Vec3;
+use plisse::mesh::{Up, Vec3};
 use plisse::picture::{Paint, PanelView, Subject, write_png};
 use plisse::scene::schema::{MeasureKind, MeasureTable};
 use plisse::scene::{self, Built, Measured, Scene};
@@ -13,7 +13,6 @@ use plisse::wrinkled::Posed;
 use super::stable::StableWatch;
 use super::table::{Cell, Illustration, fixed, none};
 use super::{Stop, Study};
-use crate::arguments::Up;
 use crate::outputs::{BASE_SRGB, CLOTH_SRGB, draw_panels_at};
 
 /// Size of a study's pictures (pixels).

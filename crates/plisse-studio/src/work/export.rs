@@ -7,7 +7,7 @@ use std::sync::Arc;
 use plisse::bake::{Options, png16};
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj, ply};
-use plisse::mesh::{Topology, Vec2, Vec3};
+use plisse::mesh::{Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;
 use plisse::{Error, Result};
 use plisse_live::export::{check_size, refine, suggest_parts, write_still};
@@ -185,7 +185,7 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
         "obj" => one_file(path, |out| obj::write(out, &plain.positions, &plain.faces, texture)),
         "ply" => one_file(path, |out| ply::write(out, &plain.positions, &plain.faces, &[])),
         _ => {
-            let up = if z_up { glb::UpAxis::Z } else { glb::UpAxis::Y };
+            let up = if z_up { Up::Z } else { Up::Y };
             let mesh = glb::Mesh {
                 positions: &plain.positions,
                 normals: &plain.normals,

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use plisse::field::solve;
 use plisse::io::aside::OutputFolder;
-use plisse::io::glb::UpAxis;
+use plisse::mesh::Up;
 use plisse::progress::Observer;
 use plisse::{Error, Result};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
@@ -55,7 +55,7 @@ pub fn write<T: Send>(
     reporter.stage("files", Some(0.8));
     let posed = built.posed(&pose);
     let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
-    posed.write(&mut out, &solved.field, &wrinkled, UpAxis::Z)?;
+    posed.write(&mut out, &solved.field, &wrinkled, Up::Z)?;
     out.commit()
 }
 

@@ -111,7 +111,7 @@ impl Error {
 
     /// An [`Error::File`] for writing `path`.
     pub fn writing(path: &Path, source: std::io::Error) -> Self {
-        let fix = "choose a folder that exists, can be written and has room (-o DIR)";
+        let fix = "choose a folder that exists, can be written and has room";
         let (place, path) = (String::new(), path.to_path_buf());
         Self::File { place, path, doing: "writing", source, fix }
     }

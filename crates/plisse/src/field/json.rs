@@ -63,7 +63,7 @@ pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
     let bytes = crate::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::mesh(path.display().to_string(), message);
     let file: FieldText = serde_json::from_slice(&bytes)
-        .map_err(|e| bad(format!("this is no field file ({e}); write it again with solve")))?;
+        .map_err(|e| bad(format!("this is no field file ({e}); write it again")))?;
     let faces = topology.face_count();
     let fits = file.amplitude.len() == topology.vertex_count
         && file.edges == topology.edges
@@ -72,7 +72,7 @@ pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
         && file.wrinkle_free.iter().all(|&f| f < faces);
     if !fits {
         return Err(bad(
-            "the field is of another mesh than the one beside it; write both again with solve"
+            "the field is of another mesh than the one beside it; write both again"
                 .to_owned(),
         ));
     }

@@ -60,6 +60,27 @@ impl Default for FieldOptions {
     }
 }
 
+impl FieldOptions {
+    /// Name of relaxed integrability for [`FieldOptions::without`].
+    pub const RELAXED_INTEGRABILITY: &'static str = "relaxed-integrability";
+
+    /// These options without the term ([`Terms::NAMES`]) or correction called `name`, for ablation.
+    ///
+    /// # Errors
+    /// [`Error::Value`] about "without" if there is none of that name.
+    pub fn without(self, name: &str) -> Result<Self> {
+        if name == Self::RELAXED_INTEGRABILITY {
+            return Ok(Self { relaxed_integrability: false, ..self });
+        }
+        let unknown = || {
+            let (names, last) = (Terms::NAMES.join(", "), Self::RELAXED_INTEGRABILITY);
+            let message = format!("there is no term \"{name}\"; the terms are {names}, {last}");
+            Error::value("without", message)
+        };
+        Ok(Self { terms: self.terms.without(name).ok_or_else(unknown)?, ..self })
+    }
+}
+
 /// The phase's gain around one loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Period {

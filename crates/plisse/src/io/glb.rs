@@ -9,18 +9,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use crate::mesh::{Vec2, Vec3};
-
-/// The axis that points up in a mesh's own coordinates. glTF's is y.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum UpAxis {
-    /// y is up, as in glTF: the node has no rotation.
-    Y,
-    /// z is up, as in scene files: positions and normals are stored as they are, and the node turns
-    /// them by −90° about x.
-    #[default]
-    Z,
-}
+use crate::mesh::{Up, Vec2, Vec3};
 
 /// What is written: a triangle mesh with normals, its arrays borrowed.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +25,8 @@ pub struct Mesh<'a> {
     pub texture: Option<(&'a [Vec2], &'a [[usize; 3]])>,
 }
 
-/// Writes `mesh` as binary glTF, with a double-sided material of roughness 0.6, not metallic, in
+/// Writes `mesh`, in whose coordinates `up` points up, as binary glTF: if that is z, positions and
+/// normals are stored as they are, and the node turns them by −90° about x. It has a double-sided material of roughness 0.6, not metallic, in
 /// `base_colour` (linear red, green, blue, opacity, each 0..1).
 ///
 /// Without texture coordinates the vertices keep their numbers. With them they are numbered anew:
@@ -50,7 +40,7 @@ pub fn write<W: Write + ?Sized>(
     out: &mut W,
     mesh: &Mesh<'_>,
     base_colour: [f32; 4],
-    up: UpAxis,
+    up: Up,
 ) -> io::Result<()> {
     check(mesh, base_colour)?;
     let split = mesh.texture.map(|(_, texture_faces)| split(mesh.faces, texture_faces));
@@ -106,7 +96,7 @@ pub fn write<W: Write + ?Sized>(
     accessors.push(json!({"bufferView": indices, "componentType": UNSIGNED_INT, "count": 3 * faces.len(), "type": "SCALAR"}));
 
     let mut node = json!({"mesh": 0});
-    if up == UpAxis::Z {
+    if up == Up::Z {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         node["rotation"] = json!([-half, 0.0, 0.0, half]);
     }
@@ -306,7 +296,7 @@ mod tests {
         (p, n, vec![[0, 1, 2], [0, 2, 3]])
     }
 
-    fn written(mesh: &Mesh<'_>, up: UpAxis) -> Parts {
+    fn written(mesh: &Mesh<'_>, up: Up) -> Parts {
         let mut glb = Vec::new();
         write(&mut glb, mesh, COLOUR, up).unwrap();
         Parts::of(&glb)
@@ -317,7 +307,7 @@ mod tests {
         let (positions, normals, faces) = square();
         let parts = written(
             &Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None },
-            UpAxis::Y,
+            Up::Y,
         );
         assert_eq!(
             parts.attribute::<3>("POSITION"),
@@ -348,7 +338,7 @@ mod tests {
         let (positions, normals, faces) = square();
         let parts = written(
             &Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None },
-            UpAxis::Z,
+            Up::Z,
         );
         let q: Vec<f64> = parts.json["nodes"][0]["rotation"]
             .as_array()
@@ -378,7 +368,7 @@ mod tests {
             faces: &faces,
             texture: Some((&coordinates, &texture_faces)),
         };
-        let parts = written(&mesh, UpAxis::Y);
+        let parts = written(&mesh, Up::Y);
         let (p, uv, indices) =
             (parts.attribute::<3>("POSITION"), parts.attribute::<2>("TEXCOORD_0"), parts.indices());
         // Only vertex 0 has two texture coordinates.
@@ -397,7 +387,7 @@ mod tests {
         let (positions, normals, faces) = square();
         let good = Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None };
         let message = |mesh: Mesh<'_>| {
-            write(&mut Vec::new(), &mesh, COLOUR, UpAxis::Y).unwrap_err().to_string()
+            write(&mut Vec::new(), &mesh, COLOUR, Up::Y).unwrap_err().to_string()
         };
         assert!(message(Mesh { faces: &[], ..good }).contains("no faces"));
         assert!(
@@ -420,6 +410,6 @@ mod tests {
             message(Mesh { texture: Some((&uv, &[[0; 3], [0, 1, 0]])), ..good })
                 .contains("face 1 names a texture coordinate")
         );
-        assert!(write(&mut Vec::new(), &good, [f32::NAN; 4], UpAxis::Y).is_err());
+        assert!(write(&mut Vec::new(), &good, [f32::NAN; 4], Up::Y).is_err());
     }
 }

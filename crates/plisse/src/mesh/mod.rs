@@ -15,9 +15,11 @@ pub(crate) mod scatter;
 pub mod sew;
 pub mod subdivide;
 mod topology;
+mod up;
 
 pub use crate::adjacency::NONE;
 pub use topology::Topology;
+pub use up::Up;
 
 /// A point or vector in space (m).
 pub type Vec3 = nalgebra::Vector3<f64>;

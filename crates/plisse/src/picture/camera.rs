@@ -2,18 +2,7 @@
 //! same everywhere.
 
 use super::Subject;
-use crate::mesh::{Mat3, Vec3};
-
-/// A coordinate axis; as "up", the direction against gravity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// +X; the front is then +Z.
-    X,
-    /// +Y, as in glTF; the front is then +Z.
-    Y,
-    /// +Z; the front is then −Y.
-    Z,
-}
+use crate::mesh::{Mat3, Up, Vec3};
 
 /// A direction of view, and the part of space it should show.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,7 +16,7 @@ impl Camera {
     /// A view of `positions` (m) from `azimuth_deg` (degrees; 0 is the front of `up`, positive
     /// walks to the viewer's right) and `elevation_deg` (degrees; 90 is straight from above).
     /// Positions that are not finite do not count.
-    pub fn fit(positions: &[Vec3], up: Axis, azimuth_deg: f64, elevation_deg: f64) -> Self {
+    pub fn fit(positions: &[Vec3], up: Up, azimuth_deg: f64, elevation_deg: f64) -> Self {
         let (up, front) = up_and_front(up);
         let right = up.cross(&front);
         let (sin_azimuth, cos_azimuth) = azimuth_deg.to_radians().sin_cos();
@@ -40,7 +29,7 @@ impl Camera {
     /// A sensible view of `positions` (m). A nearly flat surface is seen from its upper or front
     /// side, 25° off its normal so that relief shows, with its longer extent across the picture;
     /// any other one from azimuth 30°, elevation 20°.
-    pub fn automatic(positions: &[Vec3], up: Axis) -> Self {
+    pub fn automatic(positions: &[Vec3], up: Up) -> Self {
         match flat_frame(positions, up) {
             Some((right, normal)) => {
                 let (sin, cos) = 25f64.to_radians().sin_cos();
@@ -145,17 +134,16 @@ impl Frame {
     }
 }
 
-fn up_and_front(up: Axis) -> (Vec3, Vec3) {
+fn up_and_front(up: Up) -> (Vec3, Vec3) {
     match up {
-        Axis::X => (Vec3::x(), Vec3::z()),
-        Axis::Y => (Vec3::y(), Vec3::z()),
-        Axis::Z => (Vec3::z(), -Vec3::y()),
+        Up::Y => (Vec3::y(), Vec3::z()),
+        Up::Z => (Vec3::z(), -Vec3::y()),
     }
 }
 
 /// The direction across the picture and the normal of a nearly flat surface; `None` if it is
 /// thicker than a tenth of its width.
-fn flat_frame(positions: &[Vec3], up: Axis) -> Option<(Vec3, Vec3)> {
+fn flat_frame(positions: &[Vec3], up: Up) -> Option<(Vec3, Vec3)> {
     let finite = || positions.iter().filter(|p| p.iter().all(|x| x.is_finite()));
     let count = finite().count();
     if count < 3 {
@@ -246,28 +234,28 @@ mod tests {
     #[test]
     fn a_view_is_a_rotation() {
         for (up, azimuth, elevation) in
-            [(Axis::X, 10.0, 90.0), (Axis::Y, 200.0, -35.0), (Axis::Z, 30.0, 20.0)]
+            [(Up::Y, 200.0, -35.0), (Up::Z, 30.0, 20.0)]
         {
             let m = Camera::fit(&[], up, azimuth, elevation).view_from_world;
             assert!((m * m.transpose() - Mat3::identity()).amax() < 1e-14);
             assert!((m.determinant() - 1.0).abs() < 1e-14);
         }
-        let [right, up, toward] = rows(&Camera::fit(&[], Axis::Y, 0.0, 0.0));
+        let [right, up, toward] = rows(&Camera::fit(&[], Up::Y, 0.0, 0.0));
         assert_eq!((right, up, toward), (Vec3::x(), Vec3::y(), Vec3::z()));
     }
 
     #[test]
     fn a_flat_sheet_lies_across_the_picture_and_is_seen_almost_face_on() {
         let lying =
-            Camera::automatic(&sheet(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0)), Axis::Z);
+            Camera::automatic(&sheet(Vec3::new(0.1, 0.0, 0.0), Vec3::new(0.0, 0.25, 0.0)), Up::Z);
         let [right, _, toward] = rows(&lying);
         assert!((right - Vec3::y()).norm() < 1e-9, "{right}");
         assert!((toward.z - 25f64.to_radians().cos()).abs() < 1e-9);
-        let square = Camera::automatic(&sheet(Vec3::x(), Vec3::y()), Axis::Y);
+        let square = Camera::automatic(&sheet(Vec3::x(), Vec3::y()), Up::Y);
         let [right, up, toward] = rows(&square);
         assert!((right - Vec3::x()).norm() < 1e-9 && up.y > 0.9 && toward.z > 0.9);
         let turned = Vec3::new(0.6, 0.8, 0.0);
-        let oblique = Camera::automatic(&sheet(turned, Vec3::new(-0.24, 0.18, 0.0)), Axis::Z);
+        let oblique = Camera::automatic(&sheet(turned, Vec3::new(-0.24, 0.18, 0.0)), Up::Z);
         assert!((rows(&oblique)[0] - turned).norm() < 0.02);
     }
 
@@ -275,7 +263,7 @@ mod tests {
     fn every_point_is_inside_the_frame() {
         let mut positions = sheet(Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 0.3, 0.4));
         positions.push(Vec3::new(f64::NAN, 0.0, 0.0));
-        let camera = Camera::fit(&positions[..100], Axis::Y, 30.0, 20.0);
+        let camera = Camera::fit(&positions[..100], Up::Y, 30.0, 20.0);
         let subject = Subject { positions: &positions, faces: &[] };
         let frame = Frame::new(&camera, &camera.bounds().including(&camera, subject), (200, 100));
         for p in &positions[..441] {

@@ -1,7 +1,7 @@
 //! Subjects by formula, for the tests of pictures.
 
-use super::{Axis, Camera, Image, Paint, PanelView, Subject, draw};
-use crate::mesh::Vec3;
+use super::{Camera, Image, Paint, PanelView, Subject, draw};
+use crate::mesh::{Up, Vec3};
 use std::f64::consts::TAU;
 
 /// A grid over the unit square, mapped to space.
@@ -100,7 +100,7 @@ pub(super) fn cylinder(fine: (usize, usize), size: (usize, usize)) -> Image {
         |u, v, w| Vec3::new((0.1 + w) * (TAU * u).cos(), (0.1 + w) * (TAU * u).sin(), 0.2 * v),
         |_, v| (1.5e-3 * (TAU / 2.0 * v).sin() - 0.1e-3).max(0.0),
         |u, _| 46.0 * TAU * u,
-        |p| Camera::automatic(p, Axis::Z),
+        |p| Camera::automatic(p, Up::Z),
         size,
     )
 }

@@ -20,7 +20,7 @@ mod paint;
 mod raster;
 mod relief;
 
-pub use camera::{Axis, Camera};
+pub use camera::Camera;
 pub use colour::CLOTH;
 pub use image::{Image, write_png};
 
@@ -280,6 +280,7 @@ fn annotate(image: &mut Image, panel: &PanelView, painted: &Painted, frame: &Fra
 mod tests {
     use super::gallery::{cylinder, grid};
     use super::*;
+    use crate::mesh::Up;
 
     const SIZE: (usize, usize) = (400, 360);
 
@@ -288,7 +289,7 @@ mod tests {
     fn square(paint: Paint) -> Image {
         let flat = grid(1, 1, |u, v| Vec3::new(u, v, 0.0));
         let panel = PanelView { title: "Square", subject: flat.subject(), paint };
-        draw(&[panel; 4], &Camera::fit(&flat.positions, Axis::Y, 0.0, 0.0), SIZE)
+        draw(&[panel; 4], &Camera::fit(&flat.positions, Up::Y, 0.0, 0.0), SIZE)
     }
 
     /// Middle of the first panel's view.
@@ -372,7 +373,7 @@ mod tests {
         ]);
         let mut faces = flat.faces.clone();
         faces.push([4, 5, 6]);
-        let camera = Camera::fit(&positions, Axis::Y, 0.0, 0.0);
+        let camera = Camera::fit(&positions, Up::Y, 0.0, 0.0);
         let view = |faces: &[[usize; 3]], wireframe| {
             let paint = Paint::Plain { colour: [200; 3], wireframe };
             draw(
@@ -400,7 +401,7 @@ mod tests {
         let panel =
             |subject| PanelView { title: "", subject, paint: Paint::Phase { corners: &[] } };
         let panels = [flat.subject(), half, half, flat.subject()].map(panel);
-        let image = draw(&panels, &Camera::fit(&flat.positions, Axis::Y, 0.0, 0.0), SIZE);
+        let image = draw(&panels, &Camera::fit(&flat.positions, Up::Y, 0.0, 0.0), SIZE);
         for (n, upper_left) in [[0; 3], [255; 3], [255; 3], [0; 3]].into_iter().enumerate() {
             let (x, y) = (MIDDLE.0 + SIZE.0 / 2 * (n % 2), MIDDLE.1 + SIZE.1 / 2 * (n / 2));
             assert_eq!(
@@ -422,7 +423,7 @@ mod tests {
                 subject: Subject { positions: &flat.positions, faces },
                 paint,
             };
-            draw(&[panel; 4], &Camera::fit(&flat.positions, Axis::Y, 0.0, 0.0), SIZE)
+            draw(&[panel; 4], &Camera::fit(&flat.positions, Up::Y, 0.0, 0.0), SIZE)
         };
         assert_eq!(view(&flat.faces), view(&turned));
     }
@@ -453,7 +454,7 @@ mod tests {
             vec![Vec3::zeros(), Vec3::x(), Vec3::y() * 1e200, nan, Vec3::y()],
         ];
         for positions in &clouds {
-            for up in [Axis::X, Axis::Y, Axis::Z] {
+            for up in [Up::Y, Up::Z] {
                 let camera = Camera::automatic(positions, up);
                 for faces in [vec![], vec![[0, 1, 2], [0, 1, 3], [7, 8, 9], [0, 1, 4]]] {
                     let subject = Subject { positions, faces: &faces };

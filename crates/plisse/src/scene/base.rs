@@ -35,6 +35,31 @@ pub fn solve_base(
     solve_base_by_way(scene, built, [FINE, COARSE], observer)
 }
 
+/// What the user should know about a base surface, a sentence each: faces that started inside an
+/// obstacle, and those that collapsed or turned over, of which [Chen 2021] warns in tension field
+/// theory.
+pub fn base_notes(base: &BaseReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(first) = base.resolved_faces.first() {
+        let count = base.resolved_faces.len();
+        notes.push(format!(
+            "{count} face(s) started inside an obstacle, the first is face {first}; \
+            they were pushed out"
+        ));
+    }
+    for (faces, what) in [(&base.collapsed_faces, "collapsed"), (&base.inverted_faces, "inverted")]
+    {
+        if let Some(first) = faces.first() {
+            notes.push(format!(
+                "the base surface has {} {what} face(s), the first is face {first}; try another \
+                 base.compressive_stiffness (0, 1e-3, 1e-2) or finer edges",
+                faces.len()
+            ));
+        }
+    }
+    notes
+}
+
 fn solve_base_by_way(
     scene: &Scene,
     built: &Built,

@@ -174,7 +174,7 @@ pub(super) fn assemble(
             .unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
         material: options::material(scene)?,
         base: options::base_options(scene),
-        field: options::field_options(scene),
+        field: options::field_options(scene)?,
         levels: scene.surface.levels,
         v1: scene.surface.v1,
         v2: scene.surface.v2,

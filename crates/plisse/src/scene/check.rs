@@ -1,12 +1,10 @@
 //! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that
 //! belong to another shape.
 
-use super::options::RELAXED_INTEGRABILITY;
 use super::panels::check_panel;
 use super::schema::{MeasureKind, Scene};
 use super::value::{in_reach, not_blank, positive, within};
 use super::{bodies, garment, growth, hold, options};
-use crate::field::Terms;
 use crate::surface::MOST_LEVELS;
 use crate::{Error, Result};
 
@@ -113,21 +111,11 @@ impl Scene {
         within("field.iteration_limit", self.field.iteration_limit, 1, MOST_ITERATIONS)?;
         within("field.curvature_rings", self.field.curvature_rings, 1, MOST_RINGS)?;
         within("surface.levels", self.surface.levels, 0, MOST_LEVELS)?;
+        options::field_options(self)?;
         for (i, name) in self.field.without.iter().enumerate() {
-            let field = format!("field.without[{i}]");
-            if name != RELAXED_INTEGRABILITY && Terms::default().without(name).is_none() {
-                let names = Terms::NAMES.join(", ");
-                return Err(Error::value(
-                    field,
-                    format!(
-                        "there is no term \"{name}\"; the terms are {names}, \
-                         {RELAXED_INTEGRABILITY}"
-                    ),
-                ));
-            }
             if self.field.without[..i].contains(name) {
                 return Err(Error::value(
-                    field,
+                    format!("field.without[{i}]"),
                     format!("\"{name}\" is left out twice; remove one"),
                 ));
             }

@@ -29,7 +29,7 @@ mod resolution;
 pub mod schema;
 mod value;
 
-pub use base::solve_base;
+pub use base::{base_notes, solve_base};
 pub use build::{Built, build};
 pub use growth::{BuiltGrowth, build_growth};
 pub use laid::BuiltPanel;

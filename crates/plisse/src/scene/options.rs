@@ -6,9 +6,6 @@ use crate::material::Material;
 use crate::shell::BaseOptions;
 use crate::{At, Result};
 
-/// Name in `field.without` that is no term of the energy.
-pub(super) const RELAXED_INTEGRABILITY: &str = "relaxed-integrability";
-
 /// The material.
 pub(super) fn material(scene: &Scene) -> Result<Material> {
     let m = &scene.material;
@@ -34,19 +31,17 @@ pub(super) fn base_options(scene: &Scene) -> BaseOptions {
 }
 
 /// The options of the field's solve.
-pub(super) fn field_options(scene: &Scene) -> FieldOptions {
+pub(super) fn field_options(scene: &Scene) -> Result<FieldOptions> {
     let mut options = FieldOptions::default();
     match scene.field.wrinkle_free {
         Some(Rule::Paper) => options.rule = WrinkleFreeRule::Paper,
         Some(Rule::Published) => options.rule = WrinkleFreeRule::Published,
         None => {}
     }
-    for name in &scene.field.without {
-        if name == RELAXED_INTEGRABILITY {
-            options.relaxed_integrability = false;
-        } else if let Some(terms) = options.terms.without(name) {
-            options.terms = terms;
-        }
+    for (i, name) in scene.field.without.iter().enumerate() {
+        options = options
+            .without(name)
+            .map_err(|error| error.about(format!("field.without[{i}]")))?;
     }
     if let Some(rings) = scene.field.curvature_rings {
         options.curvature_rings = rings;
@@ -54,5 +49,5 @@ pub(super) fn field_options(scene: &Scene) -> FieldOptions {
     if let Some(limit) = scene.field.iteration_limit {
         options.iteration_limit = limit;
     }
-    options
+    Ok(options)
 }

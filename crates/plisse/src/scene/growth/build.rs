@@ -81,7 +81,7 @@ impl BuiltGrowth {
 /// expansion that is none, folds narrower than the mesh can carry, all frozen.
 pub fn build_growth(scene: &Scene) -> Result<BuiltGrowth> {
     let Some(table) = &scene.growth else {
-        let message = "the scene does not say how it grows; add [growth], or use plisse solve";
+        let message = "the scene does not say how it grows; add [growth]";
         return Err(Error::value("growth", message).at(&scene.file));
     };
     grow_unplaced(scene, table).at(&scene.file)
