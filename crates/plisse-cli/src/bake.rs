@@ -18,7 +18,7 @@ use crate::outputs::write_json;
 use crate::pipeline::with_threads;
 use crate::terminal::{RunEnd, print};
 
-/// What a run found. Field names carry the units.
+/// Results of a run. Field names carry the units.
 #[derive(Serialize)]
 struct Report {
     plisse: &'static str,
@@ -248,7 +248,7 @@ impl Report {
     }
 }
 
-/// Whether `name` is that of a map: normal.png, height-0012.png.
+/// True if `name` is that of a map: normal.png, height-0012.png.
 fn is_map(name: &str) -> bool {
     let middle = |map: &str| name.strip_prefix(map).and_then(|rest| rest.strip_suffix(".png"));
     let number = |rest: &str| {

@@ -12,8 +12,8 @@ use plisse::growth::{AdaptOptions, GrowthReport, StepReport, Surface, grow_adapt
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
-use plisse::mesh::{Up, Vec3};
 use plisse::mesh::normals::vertex_normals;
+use plisse::mesh::{Up, Vec3};
 use plisse::picture::CLOTH;
 use plisse::picture::{Camera, Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};

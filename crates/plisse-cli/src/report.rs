@@ -8,12 +8,12 @@ use plisse::scene::Measured;
 use plisse::shell::{BaseReport, ReferenceReport};
 use serde::Serialize;
 
-/// What a run found. Field names carry the units.
+/// Results of a run. Field names carry the units.
 #[derive(Serialize)]
 pub(crate) struct Report {
     pub(crate) plisse: &'static str,
     pub(crate) title: String,
-    /// What the scene says was published about it.
+    /// Published results, in the words of the scene.
     pub(crate) paper: Option<String>,
     pub(crate) vertices: usize,
     pub(crate) faces: usize,
@@ -24,7 +24,7 @@ pub(crate) struct Report {
     pub(crate) periods: Vec<i64>,
     /// Turns that the energy alone asks for, in the same order.
     pub(crate) periods_before_rounding: Vec<f64>,
-    /// Whether the integers are proven to be the nearest.
+    /// True if the integers are proven to be the nearest.
     pub(crate) rounding_exact: bool,
     pub(crate) iterations: usize,
     pub(crate) ending: &'static str,

@@ -7,8 +7,8 @@ use std::time::Instant;
 use plisse::io::aside::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
-use plisse::mesh::{Up, Vec3};
 use plisse::mesh::normals::vertex_normals;
+use plisse::mesh::{Up, Vec3};
 use plisse::picture::CLOTH;
 use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{Built, Measured, Scene};
@@ -24,7 +24,7 @@ use crate::progress::Bars;
 use crate::report::{BaseSummary, measured_row, shell_ending};
 use crate::terminal::RunEnd;
 
-/// What a run found. Field names carry the units.
+/// Results of a run. Field names carry the units.
 #[derive(Serialize)]
 struct Report {
     plisse: &'static str,

@@ -72,8 +72,7 @@ pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
         && file.wrinkle_free.iter().all(|&f| f < faces);
     if !fits {
         return Err(bad(
-            "the field is of another mesh than the one beside it; write both again"
-                .to_owned(),
+            "the field is of another mesh than the one beside it; write both again".to_owned()
         ));
     }
     let mut wrinkle_free = vec![false; faces];

@@ -386,9 +386,8 @@ mod tests {
     fn unusable_meshes_are_told() {
         let (positions, normals, faces) = square();
         let good = Mesh { positions: &positions, normals: &normals, faces: &faces, texture: None };
-        let message = |mesh: Mesh<'_>| {
-            write(&mut Vec::new(), &mesh, COLOUR, Up::Y).unwrap_err().to_string()
-        };
+        let message =
+            |mesh: Mesh<'_>| write(&mut Vec::new(), &mesh, COLOUR, Up::Y).unwrap_err().to_string();
         assert!(message(Mesh { faces: &[], ..good }).contains("no faces"));
         assert!(
             message(Mesh { faces: &[[0, 1, 4]], ..good })

@@ -233,9 +233,7 @@ mod tests {
 
     #[test]
     fn a_view_is_a_rotation() {
-        for (up, azimuth, elevation) in
-            [(Up::Y, 200.0, -35.0), (Up::Z, 30.0, 20.0)]
-        {
+        for (up, azimuth, elevation) in [(Up::Y, 200.0, -35.0), (Up::Z, 30.0, 20.0)] {
             let m = Camera::fit(&[], up, azimuth, elevation).view_from_world;
             assert!((m * m.transpose() - Mat3::identity()).amax() < 1e-14);
             assert!((m.determinant() - 1.0).abs() < 1e-14);

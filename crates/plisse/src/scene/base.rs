@@ -35,7 +35,7 @@ pub fn solve_base(
     solve_base_by_way(scene, built, [FINE, COARSE], observer)
 }
 
-/// What the user should know about a base surface, a sentence each: faces that started inside an
+/// Warnings about a base surface, a sentence each: faces that started inside an
 /// obstacle, and those that collapsed or turned over, of which [Chen 2021] warns in tension field
 /// theory.
 pub fn base_notes(base: &BaseReport) -> Vec<String> {
@@ -168,12 +168,17 @@ mod tests {
 
     /// Two sheets before and behind a ball, sewn at the sides; they hang from the ends of their
     /// seams, 0.2 m of cloth between 0.1 m.
-    const SHEETS: &str = r#"
+    const SHEETS: &str = concat!(
+        r#"
         title = "two sheets around a ball"
         material = { young_pa = 1e5, poisson = 0.3, thickness_m = 1e-3, density_kg_m3 = 200.0 }
         panel = [
-            { name = "front", shape = "rectangle", width_m = 0.4, height_m = 0.3, edge_length_m = 0.04, place = { kind = "flat", origin_m = [-0.2, -0.12, 0.0], x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
-            { name = "back", shape = "rectangle", width_m = 0.4, height_m = 0.3, edge_length_m = 0.04, seed = 2, place = { kind = "flat", origin_m = [-0.2, 0.12, 0.0], x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
+            { name = "front", shape = "rectangle", width_m = 0.4, height_m = 0.3, "#,
+        r#"edge_length_m = 0.04, place = { kind = "flat", origin_m = [-0.2, -0.12, 0.0], "#,
+        r#"x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
+            { name = "back", shape = "rectangle", width_m = 0.4, height_m = 0.3, "#,
+        r#"edge_length_m = 0.04, seed = 2, "#,
+        r#"place = { kind = "flat", origin_m = [-0.2, 0.12, 0.0], x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
         ]
         seam = [
             { a = "front.left", b = "back.left", start_apart = true },
@@ -181,9 +186,11 @@ mod tests {
         ]
         clamp = [{ near_m = [-0.2, 0.0, 0.3] }, { near_m = [0.2, 0.0, 0.3] }]
         load = { gravity_m_s2 = [0.0, 0.0, -9.81] }
-        obstacle = [{ name = "ball", kind = "sphere", centre_m = [0.0, 0.0, 0.15], radius_m = 0.08 }]
+        obstacle = [{ name = "ball", kind = "sphere", centre_m = [0.0, 0.0, 0.15], "#,
+        r#"radius_m = 0.08 }]
         contact = { thickness_m = 0.01 }
-        base = { compressive_stiffness = 0.01 }"#;
+        base = { compressive_stiffness = 0.01 }"#
+    );
 
     #[test]
     fn what_is_affine_in_each_panel_is_carried_exactly() {

@@ -9,7 +9,7 @@ use crate::mesh::Vec3;
 use crate::obstacle::Obstacle;
 use crate::{At, Error, Result};
 
-/// What needs no file to be checked.
+/// Checks that need no file.
 pub(super) fn check(scene: &Scene) -> Result<()> {
     for (i, table) in scene.obstacle.iter().enumerate() {
         let place = format!("obstacle[{i}]");

@@ -26,7 +26,7 @@ const CLEARANCE: f64 = 0.25;
 pub struct Built {
     /// Name of the scene.
     pub title: String,
-    /// What was published about it, in words; may be empty.
+    /// Published results, in words; may be empty.
     pub paper: String,
     /// Connectivity of the sewn surface.
     pub topology: Topology,
@@ -39,40 +39,39 @@ pub struct Built {
     pub rest_faces: Vec<[usize; 3]>,
     /// `[V]` start pose (m), before the clamps move.
     pub start: Vec<Vec3>,
-    /// What is held, and where.
+    /// Targets of the held coordinates.
     pub clamps: Clamps,
-    /// What pushes from outside. A closed part under pressure whose start has a volume has its
-    /// outside outside.
+    /// Loads. Faces of a closed part under pressure whose start has a volume are oriented outwards.
     pub loads: Loads,
-    /// What the surface may not enter, in the scene's order.
+    /// Bodies that the surface may not enter, in the scene's order.
     pub obstacles: Vec<Obstacle>,
     /// Distance to obstacles (m) below which contact pushes back.
     pub contact_thickness_m: f64,
     /// The sheet's material.
     pub material: Material,
-    /// How to solve the base surface.
+    /// Options of the base solve.
     pub base: BaseOptions,
-    /// How to solve the field.
+    /// Options of the field's solve.
     pub field: FieldOptions,
     /// Subdivisions of the displaced surface; `None`: choose by the wavelength.
     pub levels: Option<usize>,
-    /// Whether to displace by v₁.
+    /// True if the surface is displaced by v₁.
     pub v1: bool,
-    /// Whether to displace by v₂.
+    /// True if the surface is displaced by v₂.
     pub v2: bool,
-    /// What to measure, for [`super::measure`](fn@super::measure).
+    /// Measures, for [`super::measure`](fn@super::measure).
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order; none if the scene has a mesh.
     pub panels: Vec<BuiltPanel>,
     /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files
     /// gave them or some panel is closed.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
-    /// What readers of files passed over or mended, a sentence each.
+    /// Notes of the readers of files on what they skipped or fixed, a sentence each.
     pub notes: Vec<String>,
 }
 
 impl Built {
-    /// What the base solve and the reference shell take.
+    /// The input of the base solve and the reference shell.
     pub fn setup(&self) -> Setup<'_> {
         Setup {
             topology: &self.topology,
@@ -115,12 +114,16 @@ impl Built {
 /// The scene ready for the solvers. The same scene gives the same result.
 ///
 /// # Errors
-/// [`Error::Value`] whose field is "file, dotted.field" for: a panel that cannot be cut (see [`Panel::new`]), sewn sides that
-/// do not start at the same place, a file that cannot be opened, a box without vertices, pressure
-/// in an open surface, clamps that contradict each other, a surface or a part of it that nothing
-/// holds in some direction, a measure whose line misses its panel.
-/// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses, [`Error::Parse`] for what is no OBJ file.
+/// [`Error::Value`] whose field is "file, dotted.field" for: a panel that cannot be cut (see
+/// [`Panel::new`]), sewn sides that do not start at the same place, a file that cannot be opened, a
+/// box without vertices, pressure in an open surface, clamps that contradict each other, a surface
+/// or a part of it that nothing holds in some direction, a measure whose line misses its panel.
+/// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses,
+/// [`Error::Parse`] for a file that is no OBJ file.
 ///
+/// [`Error::Value`]: crate::Error::Value
+/// [`Error::Mesh`]: crate::Error::Mesh
+/// [`Error::Parse`]: crate::Error::Parse
 /// [`Panel::new`]: crate::mesh::panel::Panel::new
 /// [`sew`]: crate::mesh::sew::sew
 /// [`worn::read`]: crate::io::worn::read
@@ -195,11 +198,14 @@ mod tests {
     use crate::field::WrinkleFreeRule;
     use crate::scene::{parse, read};
 
-    const SHEET: &str = r#"
+    const SHEET: &str = concat!(
+        r#"
         title = "sheet"
         material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
-        panel = [{ name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, edge_length_m = 0.1 }]
-    "#;
+        panel = [{ name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, "#,
+        r#"edge_length_m = 0.1 }]
+    "#
+    );
 
     fn built(more: &str) -> Result<Built> {
         build(&parse("s.toml", &format!("{SHEET}\n{more}")).unwrap())
@@ -365,15 +371,19 @@ mod tests {
 
     #[test]
     fn a_reversed_closed_side_keeps_its_first_vertex() {
-        let text = r#"
+        let text = concat!(
+            r#"
             title = "mirrored"
             material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
             panel = [
-                { name = "a", shape = "annulus", inner_radius_m = 0.5, outer_radius_m = 1.0, edge_length_m = 0.2 },
-                { name = "b", shape = "disk", radius_m = 0.5, edge_length_m = 0.2, place = { kind = "flat", y_axis = [0, -1, 0] } },
+                { name = "a", shape = "annulus", inner_radius_m = 0.5, outer_radius_m = 1.0, "#,
+            r#"edge_length_m = 0.2 },
+                { name = "b", shape = "disk", radius_m = 0.5, edge_length_m = 0.2, "#,
+            r#"place = { kind = "flat", y_axis = [0, -1, 0] } },
             ]
             seam = [{ a = "a.inner", b = "b.rim", reversed = true }]
-            clamp = [{ side = "a.outer" }]"#;
+            clamp = [{ side = "a.outer" }]"#
+        );
         let b = build(&parse("s.toml", text).unwrap()).unwrap();
         assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 1);
         let apart = build(&parse("s.toml", &text.replace("true", "false")).unwrap())

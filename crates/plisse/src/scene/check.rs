@@ -1,4 +1,4 @@
-//! What the types of a scene cannot say: ranges, names that must exist or be unique, fields that
+//! Checks of a scene beyond its types: ranges, names that must exist or be unique, fields that
 //! belong to another shape.
 
 use super::panels::check_panel;
@@ -203,22 +203,29 @@ impl Scene {
 mod tests {
     use super::super::parse;
 
-    const SCENE: &str = r#"
+    const SCENE: &str = concat!(
+        r#"
         title = "t"
         material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
         panel = [
-            { name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, edge_length_m = 0.1, place = { kind = "rolled", radius_m = 2.0 } },
-            { name = "q", shape = "polygon", corners_m = [[0, 0], [1, 0], [0, 1]], edge_length_m = 0.2, place = { kind = "flat", x_axis = [1, 0, 0], y_axis = [0, 2, 0] } },
+            { name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, "#,
+        r#"edge_length_m = 0.1, place = { kind = "rolled", radius_m = 2.0 } },
+            { name = "q", shape = "polygon", corners_m = [[0, 0], [1, 0], [0, 1]], "#,
+        r#"edge_length_m = 0.2, "#,
+        r#"place = { kind = "flat", x_axis = [1, 0, 0], y_axis = [0, 2, 0] } },
         ]
         seam = [{ a = "p.left", b = "p.right" }]
-        clamp = [{ side = "q.2", axes = "zx", move_m = [0, 0, 0], turn = { axis = [0, 0, 1], angle_deg = 1 } }]
+        clamp = [{ side = "q.2", axes = "zx", move_m = [0, 0, 0], turn = { axis = [0, 0, 1], "#,
+        r#"angle_deg = 1 } }]
         base = { compressive_stiffness = 0.5, iteration_limit = 10 }
         field = { without = ["v1", "v2"], curvature_rings = 4, iteration_limit = 10 }
         surface = { levels = 8 }
         measure = [
-            { name = "m", kind = "waves_along", panel = "p", from_m = [0, 0], to_m = [1, 0], published = 3 },
+            { name = "m", kind = "waves_along", panel = "p", from_m = [0, 0], to_m = [1, 0], "#,
+        r#"published = 3 },
             { name = "n", kind = "peak_amplitude" },
-        ]"#;
+        ]"#
+    );
 
     #[test]
     fn wrong_values_name_their_field() {

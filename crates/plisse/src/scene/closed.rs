@@ -8,13 +8,13 @@ use crate::mesh::closed::{Closed, sphere, torus};
 use crate::{Error, Result};
 
 impl Shape {
-    /// Whether it is a closed surface, without sides.
+    /// True for a closed surface, which has no sides.
     pub(super) fn closed(self) -> bool {
         matches!(self, Self::Sphere | Self::Torus)
     }
 }
 
-/// What can be said about a closed panel before it is cut; its sizes are given.
+/// Checks of a closed panel that need no mesh; its sizes are given.
 pub(super) fn check(place: &str, panel: &PanelTable) -> Result<()> {
     for (name, size) in [("radius_m", panel.radius_m), ("tube_radius_m", panel.tube_radius_m)] {
         if let Some(size) = size {

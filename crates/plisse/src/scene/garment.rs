@@ -13,7 +13,7 @@ use crate::mesh::check::{check_rest_faces, weld};
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::{At, Error, Result};
 
-/// What needs no file to be checked.
+/// Checks that need no file.
 pub(super) fn check(table: &MeshTable) -> Result<()> {
     positive("mesh.metres_per_unit", table.metres_per_unit)?;
     match (&table.start, &table.worn) {
@@ -92,7 +92,7 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     })
 }
 
-/// What vertex colours (`[V]`) are called as attributes.
+/// Vertex colours (`[V]`) as attributes.
 fn attributes_of(colours: &[[f64; 3]]) -> Vec<(String, Vec<f64>)> {
     let channel = |(c, name): (usize, &str)| {
         (name.to_owned(), colours.iter().map(|colour| colour[c]).collect())
@@ -100,7 +100,7 @@ fn attributes_of(colours: &[[f64; 3]]) -> Vec<(String, Vec<f64>)> {
     ["red", "green", "blue"].into_iter().enumerate().map(channel).collect()
 }
 
-/// What a file of either format says.
+/// The content of a file of either format.
 struct Start {
     positions: Vec<Vec3>,
     faces: Vec<[usize; 3]>,

@@ -1,4 +1,4 @@
-//! Where clamps and forces act, and whether what they act on can stay.
+//! Clamps, loads and forces of a scene on its vertices, and the check that they hold the surface.
 
 use super::laid::{Laid, shown};
 use super::schema::{BoxTable, ClampTable, ForceTable, Scene};
@@ -18,7 +18,7 @@ const BALANCE: f64 = 1e-9;
 
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Which vertices a clamp or a force takes hold of.
+/// The vertices that a clamp or a force acts on.
 #[derive(Clone, Copy)]
 pub(super) enum Grip<'a> {
     Side(&'a str),
@@ -81,7 +81,7 @@ impl<'a> Grip<'a> {
         }
     }
 
-    /// How the scene says it.
+    /// The selection in the words of the scene.
     fn words(&self) -> String {
         match self {
             Self::Side(side) => format!("\"{side}\""),
@@ -147,7 +147,7 @@ impl<'a> Grip<'a> {
     }
 }
 
-/// What needs no mesh to be checked.
+/// Checks of clamps and forces that need no mesh.
 pub(super) fn check(scene: &Scene) -> Result<()> {
     for (i, clamp) in scene.clamp.iter().enumerate() {
         let place = format!("clamp[{i}]");
@@ -180,7 +180,7 @@ pub(super) fn check_axes(place: &str, axes: &str) -> Result<()> {
     Ok(())
 }
 
-/// What the scene's clamps hold, and where.
+/// The targets of the scene's clamps.
 pub(super) fn clamps(scene: &Scene, laid: &Laid) -> Result<Clamps> {
     let vertex_count = laid.topology.vertex_count;
     let tolerance_m = CLAMP_TOLERANCE * laid.size();
@@ -219,7 +219,7 @@ pub(super) fn clamps(scene: &Scene, laid: &Laid) -> Result<Clamps> {
     Ok(clamps)
 }
 
-/// Where `clamp` takes a point that starts at `start` (m): turned, then moved.
+/// Position (m) to which `clamp` takes a point that starts at `start` (m): turned, then moved.
 fn target(clamp: &ClampTable, start: Vec3) -> Vec3 {
     let turned = clamp.turn.map_or(start, |turn| {
         let axis = nalgebra::Unit::new_normalize(Vec3::from(turn.axis));
@@ -231,7 +231,7 @@ fn target(clamp: &ClampTable, start: Vec3) -> Vec3 {
     turned + Vec3::from(clamp.move_m)
 }
 
-/// What pushes the surface, with forces spread over their vertices.
+/// The loads of the scene, with forces spread over their vertices.
 pub(super) fn loads(scene: &Scene, laid: &Laid) -> Result<Loads> {
     let mut forces_newton = Vec::new();
     for (i, force) in scene.force.iter().enumerate() {

@@ -10,7 +10,7 @@ use crate::{At, Error, Result};
 /// A part whose volume is less than this, relative to the cube of its size, has no inside.
 const LEAST_VOLUME: f64 = 1e-9;
 
-/// Where a panel is in the surface.
+/// The part of the surface that is one panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltPanel {
     /// Its name.
@@ -48,7 +48,7 @@ pub(super) struct Laid {
     pub(super) texture: Option<Chart>,
     /// Names and values (`[V]`) of what a file says about each vertex.
     pub(super) attributes: Vec<(String, Vec<f64>)>,
-    /// What readers of files passed over or mended.
+    /// Notes of the readers of files on what they skipped or fixed.
     pub(super) notes: Vec<String>,
 }
 
@@ -111,7 +111,7 @@ impl Laid {
         part
     }
 
-    /// What to call the part whose lowest vertex is `lowest`, and how to clamp it.
+    /// Name of the part whose lowest vertex is `lowest`, and the vertices to clamp in it.
     pub(super) fn name_of_part(&self, lowest: usize) -> (String, &'static str) {
         let rest = self.vertex_of_rest.iter().position(|&v| v == lowest);
         let panel =

@@ -23,12 +23,12 @@ pub struct Measured {
     pub unit: &'static str,
     /// The published number, in the same unit.
     pub published: Option<f64>,
-    /// Where it was published.
+    /// Source of the published number.
     pub source: Option<String>,
 }
 
-/// What the scene asks to measure on `field`, in the scene's order. `field` and `report` must come
-/// from `built`.
+/// The scene's measures of `field`, in the scene's order. `field` and `report` must come from
+/// `built`.
 pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec<Measured> {
     let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
@@ -88,6 +88,7 @@ mod tests {
 
     /// A balloon of two disks: the second panel is flipped. The line is replaced by each test.
     fn balloon(panel: &str, from: [f64; 2], to: [f64; 2]) -> Built {
+        let line = format!("panel = \"{panel}\", from_m = {from:?}, to_m = {to:?}");
         let text = format!(
             r#"
             title = "balloon"
@@ -99,7 +100,7 @@ mod tests {
             seam = [{{ a = "front.rim", b = "back.rim" }}]
             clamp = [{{ side = "front.rim" }}]
             measure = [
-                {{ name = "waves", kind = "waves_along", panel = "{panel}", from_m = {from:?}, to_m = {to:?}, published = 3 }},
+                {{ name = "waves", kind = "waves_along", {line}, published = 3 }},
                 {{ name = "peak", kind = "peak_amplitude" }},
                 {{ name = "turns", kind = "largest_period", source = "nobody" }},
             ]"#

@@ -124,15 +124,20 @@ mod tests {
 
     #[test]
     fn a_wavy_cylinder_has_its_waves() {
-        let text = r#"
+        let text = concat!(
+            r#"
             title = "cuff"
             material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
-            panel = [{ name = "p", shape = "rectangle", width_m = 6.283185307179586, height_m = 1.0, edge_length_m = 0.08,
+            panel = [{ name = "p", shape = "rectangle", width_m = 6.283185307179586, "#,
+            r#"height_m = 1.0, edge_length_m = 0.08,
                        place = { kind = "rolled", radius_m = 1.0 } }]
             seam = [{ a = "p.left", b = "p.right", reversed = true }]
             clamp = [{ side = "p.bottom" }]
-            measure = [{ name = "n", kind = "waves_along", panel = "p", from_m = [0.0, 0.5], to_m = [6.283185307179586, 0.5] },
-                       { name = "a", kind = "peak_amplitude" }, { name = "l", kind = "largest_period" }]"#;
+            measure = [{ name = "n", kind = "waves_along", panel = "p", from_m = [0.0, 0.5], "#,
+            r#"to_m = [6.283185307179586, 0.5] },
+                       { name = "a", kind = "peak_amplitude" }, { name = "l", "#,
+            r#"kind = "largest_period" }]"#
+        );
         let built = build(&parse("cuff.toml", text).unwrap()).unwrap();
         let wavy: Vec<Vec3> = built
             .start

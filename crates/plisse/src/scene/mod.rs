@@ -1,12 +1,16 @@
-//! Scenes: a TOML file that says what is sewn, held, pushed and solved, and what was published
-//! about it.
+//! Scenes: a TOML file with panels, seams, clamps, loads and options of the solves, and with
+//! published results to compare with.
 //!
-//! [`schema`] is the file's content, [`read`](mod@read) turns text into it and tells what is wrong in words, [`mod@build`] makes
-//! surface, start pose, clamps and loads of it, [`solve_base`] solves its base surface, fine meshes
-//! by way of coarse ones,
-//! [`measure`](mod@measure) compares a solved field with what was published.
-//! [`growth`] does the same for a surface that grows.
+//! [`schema`] is the content of the file, [`read`](mod@read) makes it from text and explains errors,
+//! [`mod@build`] makes the sheet, its start pose, clamps and loads, [`solve_base`] solves the base
+//! surface (of a fine mesh by way of a coarse one), [`measure`](mod@measure) compares a solved field
+//! with published numbers. [`growth`] does the same for a surface that grows.
 //! `docs/scene-format.md` describes every field.
+//!
+//! Order of the files; each uses only those before it: `value` (checks of single values), `schema`,
+//! `reference` (names and paths), `laid` (the surface in space), `closed`, `panels` and `garment`
+//! (which make it), `hold`, `bodies`, `maps`, `options` and `probe` (which belong to it), `build`,
+//! `measure`, `measure_shell`, `resolution`, `base`, `growth`, `check`, `read`.
 
 mod base;
 mod bodies;

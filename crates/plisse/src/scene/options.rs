@@ -39,9 +39,8 @@ pub(super) fn field_options(scene: &Scene) -> Result<FieldOptions> {
         None => {}
     }
     for (i, name) in scene.field.without.iter().enumerate() {
-        options = options
-            .without(name)
-            .map_err(|error| error.about(format!("field.without[{i}]")))?;
+        options =
+            options.without(name).map_err(|error| error.about(format!("field.without[{i}]")))?;
     }
     if let Some(rings) = scene.field.curvature_rings {
         options.curvature_rings = rings;

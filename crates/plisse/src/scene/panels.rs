@@ -11,11 +11,11 @@ use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
 use crate::{At, Error, Result};
 
-/// How far apart the two start positions of a sewn vertex may be, relative to the size of the start
-/// pose.
+/// Largest distance between the two start positions of a sewn vertex, relative to the size of the
+/// start pose.
 const SEAM_TOLERANCE: f64 = 1e-6;
 
-/// What can be said about a panel before it is cut.
+/// Checks of a panel that need no mesh.
 pub(super) fn check_panel(place: &str, panel: &PanelTable) -> Result<()> {
     not_blank(&format!("{place}.name"), &panel.name)?;
     if panel.name.contains('.') {
@@ -274,7 +274,7 @@ fn cut(place: &str, table: &PanelTable) -> Result<Panel> {
     }
 }
 
-/// Whether the sides of a panel return to where they begin.
+/// True if the sides of a panel return to where they begin.
 fn closed(panel: &PanelTable) -> bool {
     matches!(panel.shape, Shape::Disk | Shape::Annulus)
         || panel.sides.as_ref().is_some_and(|sides| sides.len() == 1)

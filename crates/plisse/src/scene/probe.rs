@@ -1,5 +1,5 @@
-//! Numbers that a scene asks for, made ready to be taken from a field or a shell: lines cut into the
-//! pieces that lie in each face, sides as chains of vertices.
+//! Probes: the measures of a scene on its mesh. Lines are cut into the pieces that lie in each face,
+//! sides become chains of vertices.
 
 use super::laid::Laid;
 use super::schema::{MeasureKind, Scene};
@@ -14,15 +14,15 @@ const TOUCH: f64 = 1e-10;
 pub struct Probe {
     /// Name of the number.
     pub name: String,
-    /// What it is.
+    /// The quantity.
     pub quantity: Quantity,
     /// The published number, in the unit of the quantity.
     pub published: Option<f64>,
-    /// Where it was published.
+    /// Source of the published number.
     pub source: Option<String>,
 }
 
-/// What a [`Probe`] takes.
+/// The quantity of a [`Probe`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
     /// Whole turns around the loop that has most of them (waves); 0 without loops.
@@ -34,8 +34,8 @@ pub enum Quantity {
     WavesAlong {
         /// Pieces of the line, in order.
         pieces: Vec<Piece>,
-        /// Where the line crosses from face to face, in order; between them everything linear in
-        /// faces is linear.
+        /// Points at which the line crosses from face to face, in order; between them everything
+        /// linear in faces is linear.
         crossings: Vec<Crossing>,
     },
     /// Turns of the phase along a chain of edges; where a face at an edge is wrinkled.

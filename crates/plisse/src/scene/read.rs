@@ -42,9 +42,10 @@ pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
 /// The scene in `text`, which came from `path` (for messages only).
 ///
 /// # Errors
-/// [`Error::Parse`] with the line for: wrong TOML, an unknown or missing field, a value of the wrong type. [`Error::Value`]
-/// whose field is "path, dotted.field" for: a number that is not finite or out of its range, a name
-/// that is used twice or that nothing has, a size that the panel's shape asks for or does not have.
+/// [`Error::Parse`] with the line for: wrong TOML, an unknown or missing field, a value of the wrong
+/// type. [`Error::Value`] whose field is "path, dotted.field" for: a number that is not finite or
+/// out of its range, a name that is used twice or that nothing has, a size that the panel's shape
+/// asks for or does not have.
 pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Scene> {
     let path = path.as_ref();
     // The byte order mark is replaced by a blank, so that offsets stay on their lines.
@@ -55,7 +56,7 @@ pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Scene> {
     Ok(scene)
 }
 
-/// What the TOML reader says, as one sentence with the line.
+/// The message of the TOML reader, as one sentence with the line.
 fn explain(path: &Path, text: &str, error: &toml::de::Error) -> Error {
     let offset = error.span().map_or(0, |span| span.start.min(text.len()));
     let line = 1 + text.as_bytes()[..offset].iter().filter(|&&b| b == b'\n').count();

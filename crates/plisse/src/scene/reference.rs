@@ -1,4 +1,4 @@
-//! What a scene file refers to: sides of panels by name, and files by their path.
+//! References in a scene file: sides of panels by name, and files by their path.
 
 use std::path::{Path, PathBuf};
 

@@ -130,12 +130,16 @@ mod tests {
 
     #[test]
     fn refined_meshes_have_the_same_shape_and_clamps() {
-        let text = r#"
+        let text = concat!(
+            r#"
             title = "sheet"
             material = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }
-            panel = [{ name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, edge_length_m = 0.1 }]
+            panel = [{ name = "p", shape = "rectangle", width_m = 1.0, height_m = 0.5, "#,
+            r#"edge_length_m = 0.1 }]
             clamp = [{ side = "p.left", move_m = [-0.1, 0.0, 0.0] }]
-            measure = [{ name = "n", kind = "waves_along", panel = "p", from_m = [0.5, 0.0], to_m = [0.5, 0.5] }, { name = "a", kind = "peak_amplitude" }]"#;
+            measure = [{ name = "n", kind = "waves_along", panel = "p", from_m = [0.5, 0.0], "#,
+            r#"to_m = [0.5, 0.5] }, { name = "a", kind = "peak_amplitude" }]"#
+        );
         let coarse = build(&parse("sheet.toml", text).unwrap()).unwrap();
         let fine = refined(&coarse).unwrap();
         assert_eq!(fine.topology.face_count(), 4 * coarse.topology.face_count());

@@ -67,7 +67,8 @@ impl BuiltGrowth {
     /// again.
     ///
     /// # Errors
-    /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which folds are counted reaches beyond it.
+    /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which
+    /// folds are counted reaches beyond it.
     pub fn on(&self, surface: Surface<'_>) -> Result<(Self, Vec<Vec3>, RestMetric)> {
         let corner_places = surface.uvs.as_deref();
         let by_panel = self.plane().filter(|_| !self.built.panels.is_empty());

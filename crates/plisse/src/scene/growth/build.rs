@@ -20,32 +20,32 @@ use crate::{At, Error, Result};
 pub struct BuiltGrowth {
     /// The surface, with its rest metric before growth, what pushes and what is in its way.
     pub built: Built,
-    /// How each vertex grows, and folds while it does. Clamps freeze, too.
+    /// `[V]` growth and folding of each vertex. Clamps freeze, too.
     pub maps: GrowthMaps,
     /// By energy or by forces.
     pub mode: Mode,
-    /// How folds are solved for.
+    /// Options of the solve by energy.
     pub options: GrowthOptions,
-    /// How the paper's forces go about it, in the other mode.
+    /// Options of the solve by the paper's forces.
     pub reference: ReferenceOptions,
     /// Steps of growth at least, if the scene says so.
     pub steps: Option<usize>,
-    /// Whether folds keep from passing through each other.
+    /// True if folds cannot pass through each other.
     pub self_contact: bool,
-    /// How the mesh follows the folds; none: it stays as it is.
+    /// Remeshing while the surface grows; none: the mesh stays as it is.
     pub adapt: Option<AdaptOptions>,
-    /// What is counted.
+    /// The scene's windows for counts.
     pub(super) counts: Vec<CountTable>,
     /// `[panels]` how far their coordinates run.
     pub(super) extents: Vec<Extent>,
     /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
     pub(super) chart: Option<Chart>,
-    /// Where folds are counted.
+    /// The same, on the mesh.
     pub(super) windows: Vec<CountWindow>,
 }
 
 impl BuiltGrowth {
-    /// What [`crate::growth::grow`] takes.
+    /// The input of [`crate::growth::grow`].
     pub fn growing(&self) -> Growing<'_> {
         let built = &self.built;
         Growing {

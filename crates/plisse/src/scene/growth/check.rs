@@ -1,4 +1,4 @@
-//! What needs no mesh to be checked in `[growth]`.
+//! Checks of `[growth]` that need no mesh.
 
 use crate::scene::hold::{Grip, check_axes};
 use crate::scene::maps::procedure;

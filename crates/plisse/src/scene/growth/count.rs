@@ -12,7 +12,7 @@ use crate::rest::RestMetric;
 /// Growth (factor of length) from which on a face counts as one that grows.
 const GROWS: f64 = 1.001;
 
-/// What stands in one window. Field names carry the units.
+/// Folds and growth in one window. Field names carry the units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FoldCount {
     /// Name of the window.
@@ -28,7 +28,7 @@ pub struct FoldCount {
     pub peak_width: Option<f64>,
     /// Share of the window where crests run within 10° of perpendicular to the growth.
     pub crests_within_10_deg: f64,
-    /// How far crests run straight (m): where half of the correlation is left.
+    /// Length over which crests run straight (m): at it half of the correlation is left.
     pub correlation_m: Option<f64>,
     /// Root of the mean square offset (m).
     pub roughness_m: f64,
@@ -89,8 +89,8 @@ impl BuiltGrowth {
         Ok(counted)
     }
 
-    /// What the faces that grow and touch nothing frozen reached of what `asked` asks; `None` if
-    /// there is no such face.
+    /// The share of the growth in `asked` that the faces reached which grow and touch nothing
+    /// frozen; `None` if there is no such face.
     pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<RealisedGrowth> {
         let mut banded = vec![false; pose.len()];
         self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);

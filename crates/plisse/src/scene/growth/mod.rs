@@ -1,8 +1,8 @@
 //! Scenes that grow: `[growth]` made ready for [`crate::growth::grow`].
 //!
-//! `check` says what the table's types cannot, `build` makes the starting surface and its maps,
-//! `windows` finds the parts of panels in which [`count`] reads off folds, `adapted` is the scene on
-//! the mesh that followed its folds.
+//! `check` holds the checks beyond the table's types, `build` makes the starting surface and its
+//! maps, `windows` finds the parts of panels in which [`count`] counts folds, `adapted` is the scene
+//! on the mesh that followed its folds.
 
 mod adapted;
 mod build;

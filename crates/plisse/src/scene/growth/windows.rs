@@ -22,9 +22,9 @@ const BELT: f64 = 0.3;
 pub(super) struct CountWindow {
     pub(super) name: String,
     pub(super) window: Window,
-    /// Whether it goes around something.
+    /// True if the window goes around something.
     pub(super) around: bool,
-    /// Whether the panel is closed.
+    /// True if the panel is closed.
     pub(super) closed: bool,
     /// Faces, their corners in the chart.
     pub(super) faces: Vec<(usize, [Vec2; 3])>,

@@ -14,24 +14,24 @@ use super::hold::BoxTable;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrowthTable {
-    /// How folds are found; none: by energy.
+    /// The method for folds; none: by energy.
     pub mode: Option<Mode>,
-    /// How much it grows and along what, one after the other.
+    /// Amounts and directions of growth, applied one after the other.
     pub expansion: Vec<ExpansionTable>,
     /// λ: spacing of folds on the starting surface (m).
     pub wavelength_m: MapTable,
-    /// Λ: how far crests run straight (m); none: 0.
+    /// Λ: coherence length, over which crests run straight (m); none: 0.
     pub coherence_m: Option<MapTable>,
     /// Offset that the surface prefers, in wavelengths; none: 0.
     pub bias: Option<MapTable>,
-    /// How much harder than out the surface goes in; none: 0.
+    /// Resistance of the surface to going in, above that to going out; none: 0.
     pub stickiness: Option<MapTable>,
-    /// How much of the foundation there is; none: 1.
+    /// Share of the foundation's stiffness; none: 1.
     pub hold: Option<MapTable>,
-    /// What stays where it is.
+    /// Vertices that do not move.
     #[serde(default)]
     pub freeze: Vec<FreezeTable>,
-    /// What moves as one.
+    /// Sets of vertices that move as one.
     #[serde(default)]
     pub band: Vec<BandTable>,
     /// Windows in which folds are counted.
@@ -45,11 +45,11 @@ pub struct GrowthTable {
     pub imperfection: Option<f64>,
     /// Chooses the imperfections.
     pub seed: Option<u64>,
-    /// Whether folds keep from passing through each other; none: yes.
+    /// True if folds cannot pass through each other; none: true.
     pub self_contact: Option<bool>,
     /// Newton iterations at most in each step.
     pub iteration_limit: Option<usize>,
-    /// How the mesh follows the folds; none: it stays as it is.
+    /// Remeshing while the surface grows; none: the mesh stays as it is.
     pub remesh: Option<RemeshTable>,
 }
 
@@ -67,7 +67,7 @@ pub struct RemeshTable {
     pub most_vertices: Option<usize>,
     /// Newton iterations at most on each of the finer meshes at the end; none: 20.
     pub finish_iterations: Option<usize>,
-    /// Whether new vertices of a curved starting surface lie on its curve; none: they lie on the
+    /// True if new vertices of a curved starting surface lie on its curve; none: they lie on the
     /// given faces.
     pub round_start: Option<bool>,
 }
@@ -178,7 +178,7 @@ pub enum MapTable {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProcedureTable {
-    /// Which procedure; decides which of the fields below must be given.
+    /// The procedure; it decides which of the fields below must be given.
     pub kind: MapKind,
     /// Value where the map is 0.
     pub low: f64,
@@ -216,7 +216,7 @@ pub struct ProcedureTable {
     pub name: Option<String>,
 }
 
-/// Which procedure a map is.
+/// The procedure of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MapKind {
@@ -266,7 +266,7 @@ pub struct AxisTable {
     pub names: Option<[String; 3]>,
 }
 
-/// Where a direction comes from.
+/// Source of a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum AxisKind {

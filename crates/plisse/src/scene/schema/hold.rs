@@ -12,13 +12,13 @@ pub struct ClampTable {
     pub near_m: Option<[f64; 3]>,
     /// All vertices that start in this box.
     pub within_m: Option<BoxTable>,
-    /// Which coordinates are held: letters of "xyz".
+    /// The coordinates that are held: letters of "xyz".
     #[serde(default = "xyz")]
     pub axes: String,
     /// By how much it is moved from its start pose (m), after the turn.
     #[serde(default)]
     pub move_m: [f64; 3],
-    /// How it is turned from its start pose.
+    /// Rotation from the start pose.
     pub turn: Option<TurnTable>,
 }
 

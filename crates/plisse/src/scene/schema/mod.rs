@@ -1,7 +1,7 @@
-//! What a scene file may say: one struct for each of its tables, with the file's own field names.
+//! The content of a scene file: one struct for each of its tables, with the file's own field names.
 //!
-//! Only types and defaults are here; [`mod@super::read`] checks what the types cannot say. Lengths
-//! are in m, angles in degrees (people write these files), as the names of the fields say.
+//! Only types and defaults are here; [`mod@super::read`] checks the rest. Lengths are in m, angles
+//! in degrees (people write these files); the names of the fields carry the unit.
 
 use std::path::PathBuf;
 
@@ -26,7 +26,7 @@ pub struct Scene {
     pub file: PathBuf,
     /// Name of the scene.
     pub title: String,
-    /// What was published about it, in words.
+    /// Published results, in words.
     #[serde(default)]
     pub paper: String,
     /// The sheet's material.
@@ -36,22 +36,22 @@ pub struct Scene {
     pub panel: Vec<PanelTable>,
     /// A garment as pattern programs export it, instead of panels.
     pub mesh: Option<MeshTable>,
-    /// What is sewn to what.
+    /// Pairs of sides that are sewn together.
     #[serde(default)]
     pub seam: Vec<SeamTable>,
-    /// What is held, and where it is moved.
+    /// Vertices that are held, and their motion.
     #[serde(default)]
     pub clamp: Vec<ClampTable>,
-    /// What pushes on the whole surface.
+    /// Loads on the whole surface.
     #[serde(default)]
     pub load: LoadTable,
-    /// What pushes on parts of it.
+    /// Forces on parts of the surface.
     #[serde(default)]
     pub force: Vec<ForceTable>,
-    /// How close the surface may come to obstacles.
+    /// Contact with the obstacles.
     #[serde(default)]
     pub contact: ContactTable,
-    /// What the surface may not enter.
+    /// Bodies that the surface may not enter.
     #[serde(default)]
     pub obstacle: Vec<ObstacleTable>,
     /// Options of the base solve.
@@ -63,10 +63,10 @@ pub struct Scene {
     /// Options of the displaced surface.
     #[serde(default)]
     pub surface: SurfaceTable,
-    /// What to measure on the result.
+    /// Measures of the result.
     #[serde(default)]
     pub measure: Vec<MeasureTable>,
-    /// How it grows.
+    /// Growth of the surface.
     pub growth: Option<GrowthTable>,
 }
 
@@ -98,7 +98,7 @@ pub struct BaseTable {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FieldTable {
-    /// How wrinkle-free faces are found.
+    /// The rule for wrinkle-free faces.
     pub wrinkle_free: Option<Rule>,
     /// Terms of the energy to leave out, for ablation.
     #[serde(default)]
@@ -109,13 +109,13 @@ pub struct FieldTable {
     pub iteration_limit: Option<usize>,
 }
 
-/// How wrinkle-free faces are found: see [`crate::field::WrinkleFreeRule`].
+/// The rule for wrinkle-free faces: see [`crate::field::WrinkleFreeRule`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rule {
     /// Section 5.1 of [Chen 2021].
     Paper,
-    /// What the published code does.
+    /// The rule of the published code.
     Published,
 }
 
@@ -125,9 +125,9 @@ pub enum Rule {
 pub struct SurfaceTable {
     /// Subdivisions (0 to 6); none: as many as the wavelength asks for.
     pub levels: Option<usize>,
-    /// Whether to displace by the in-plane correction v₁, too.
+    /// True if the surface is displaced by the in-plane correction v₁, too.
     pub v1: bool,
-    /// Whether to displace by the in-plane correction v₂, too.
+    /// True if the surface is displaced by the in-plane correction v₂, too.
     pub v2: bool,
 }
 
@@ -143,7 +143,7 @@ impl Default for SurfaceTable {
 pub struct MeasureTable {
     /// Name of the number.
     pub name: String,
-    /// What it is; decides which of the fields below must be given.
+    /// The kind; it decides which of the fields below must be given.
     pub kind: MeasureKind,
     /// `waves_around`: the side, as "panel.side".
     pub side: Option<String>,
@@ -155,11 +155,11 @@ pub struct MeasureTable {
     pub to_m: Option<[f64; 2]>,
     /// The published number, in the measure's unit.
     pub published: Option<f64>,
-    /// Where it was published.
+    /// Source of the published number.
     pub source: Option<String>,
 }
 
-/// What a measure is.
+/// The kind of a measure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MeasureKind {

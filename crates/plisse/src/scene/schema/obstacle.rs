@@ -19,7 +19,7 @@ pub struct ContactTable {
 pub struct ObstacleTable {
     /// Its name, for messages.
     pub name: String,
-    /// What it is; decides which of the fields below must be given.
+    /// The kind; it decides which of the fields below must be given.
     pub kind: ObstacleKind,
     /// A point on a plane (m).
     pub point_m: Option<[f64; 3]>,
@@ -27,17 +27,17 @@ pub struct ObstacleTable {
     pub normal: Option<[f64; 3]>,
     /// Centre of a sphere, an ellipsoid or a torus (m).
     pub centre_m: Option<[f64; 3]>,
-    /// Radius of a sphere, of a capsule where it begins, or of the circle along a torus (m).
+    /// Radius of a sphere, of a capsule at its start, or of the circle along a torus (m).
     pub radius_m: Option<f64>,
-    /// Where a capsule's axis begins (m).
+    /// Start of a capsule's axis (m).
     pub from_m: Option<[f64; 3]>,
-    /// Where it ends (m).
+    /// End of a capsule's axis (m).
     pub to_m: Option<[f64; 3]>,
-    /// Radius where it ends (m); none: that where it begins.
+    /// Radius of a capsule at its end (m); none: that at its start.
     pub end_radius_m: Option<f64>,
     /// Radii of an ellipsoid along x, y and z before its turn (m).
     pub radii_m: Option<[f64; 3]>,
-    /// How an ellipsoid is turned about its centre.
+    /// Rotation of an ellipsoid about its centre.
     pub turn: Option<TiltTable>,
     /// Axis of a torus (any length but 0).
     pub axis: Option<[f64; 3]>,
@@ -49,7 +49,7 @@ pub struct ObstacleTable {
     pub metres_per_unit: Option<f64>,
 }
 
-/// What an obstacle is; see [`crate::obstacle::Obstacle`].
+/// The kind of an obstacle; see [`crate::obstacle::Obstacle`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ObstacleKind {

@@ -11,7 +11,7 @@ use serde::Deserialize;
 pub struct PanelTable {
     /// Name by which seams, clamps and measures call it; without a dot.
     pub name: String,
-    /// Which outline it has; decides which of the sizes below must be given.
+    /// The outline; it decides which of the sizes below must be given.
     pub shape: Shape,
     /// Extent of a rectangle along x (m).
     pub width_m: Option<f64>,
@@ -29,7 +29,7 @@ pub struct PanelTable {
     pub corners_m: Option<Vec<[f64; 2]>>,
     /// Sides of a polygon; none: one from each corner, called by its number.
     pub sides: Option<Vec<SideTable>>,
-    /// How it is cut into triangles.
+    /// The pattern of its triangles.
     #[serde(default)]
     pub mesh: Pattern,
     /// Columns of a structured panel; none: its width divided by the edge length.
@@ -41,7 +41,7 @@ pub struct PanelTable {
     /// Chooses one of many equally good triangulations.
     #[serde(default = "one")]
     pub seed: u64,
-    /// Where the panel lies at the start.
+    /// Position of the panel at the start.
     #[serde(default)]
     pub place: Place,
 }
@@ -60,7 +60,7 @@ pub struct SideTable {
     pub corner: usize,
 }
 
-/// How a panel is cut into triangles.
+/// The pattern of a panel's triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Pattern {
@@ -123,7 +123,7 @@ pub enum Place {
     /// In a plane: panel point (x, y) at origin + x·(x axis) + y·(y axis); a closed surface has its
     /// z along their cross product.
     Flat {
-        /// Where the panel's origin lies (m).
+        /// Position of the panel's origin (m).
         #[serde(default)]
         origin_m: [f64; 3],
         /// Direction of the panel's x (any length but 0).
@@ -168,10 +168,10 @@ pub struct SeamTable {
     pub a: String,
     /// The other side.
     pub b: String,
-    /// Whether `b` runs against `a`. A closed side keeps its first vertex.
+    /// True if `b` runs against `a`. A closed side keeps its first vertex.
     #[serde(default)]
     pub reversed: bool,
-    /// Whether the sides may start at different places; their vertices then start at the mean.
+    /// True if the sides may start at different places; their vertices then start at the mean.
     #[serde(default)]
     pub start_apart: bool,
 }
