@@ -11,7 +11,7 @@ use plisse_live::{bias, gltf_in, models, wavelength};
 
 use crate::arguments::WaveArguments;
 
-/// Vertices closer than this share of the model's size are one place.
+/// Distance, relative to the model's size, within which vertices are welded.
 const TOLERANCE: f32 = 1e-5;
 
 /// A model ready to move.
@@ -23,15 +23,15 @@ pub(crate) struct Animated {
     pub(crate) wavelength_m: f64,
 }
 
-/// Whether `input` is meant as a model file.
+/// True if `input` is named like a model file.
 pub(crate) fn is_model_file(input: &Path) -> bool {
     let extension =
         input.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     ["glb", "gltf"].contains(&extension.as_str())
 }
 
-/// Opens the model file or own model `input`. `others` names what else the command takes, for its
-/// message.
+/// Opens the model file or built-in model `input`. `others` names the other inputs of the command,
+/// for the error message.
 pub(crate) fn open(input: &str, waves: &WaveArguments, others: &str) -> Result<Animated> {
     let path = Path::new(input);
     let found = if is_model_file(path) || path.is_file() {

@@ -1,4 +1,4 @@
-//! What the command line understands. Units are in every flag's help.
+//! Commands and flags of the command line. Every help text names the unit and gives an example.
 
 use std::path::PathBuf;
 
@@ -25,69 +25,60 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Bake wrinkles to height and normal maps (16-bit PNG) in the texture space of a model, a
     /// solved folder or a scene
-    #[command(after_help = "Examples:\n  plisse bake character.glb --wavelength 0.03 --clip walk \
-            --frames 48 --map both -o out/walk\n  \
-        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  plisse bake out/cylinder --map \
-        height\n\n\
+    #[command(after_help = "Examples:\n  \
+        plisse bake character.glb --wavelength 0.03 --clip walk --frames 48 -o out/walk\n  \
+        plisse bake shirt --wavelength 0.05 --time 1 --size 1024\n  \
+        plisse bake out/cylinder --map height\n\n\
         Writes normal.png and height.png (normal-0000.png and so on with --frames) and report.json \
-        into DIR. Height: 0.5 is zero, white is\n\
-        the scale (m) that stands in report.json and in the file. Normals: +Y up, as glTF and \
-        OpenGL have it. Texture coordinates must lie\n\
-        within the unit square. Ctrl-C stops and keeps the frames that are done.")]
+        into DIR. Height: 0.5 is zero, white is the scale (m) that stands in report.json and in \
+        the file. Normals: +Y up, as in glTF and OpenGL. Texture coordinates must lie within the \
+        unit square. Ctrl-C stops and keeps the finished frames.")]
     Bake(BakeArguments),
-    /// Grow a scene file's surface as it says, and fold it up
+    /// Grow the surface of a scene file and fold it up
     #[command(after_help = "Example:\n  plisse grow examples/20-small-folds.toml -o out/folds\n\n\
         Writes folded.obj, folded.glb, report.json and picture.png into DIR, and with --frames \
-        frame-0000.obj (the start), frame-0001.obj and\n\
-        so on, one for each step. The table [growth] of a scene is described in \
-        docs/scene-format.md; lengths are in metres (m), growth is a\n\
-        factor of length (no unit). Ctrl-C stops and writes what has grown so far.")]
+        frame-0000.obj (the start), frame-0001.obj and so on, one for each step. \
+        docs/scene-format.md describes the table [growth] of a scene; lengths are in metres (m), \
+        growth is a factor of length (no unit). Ctrl-C stops and writes the surface grown so far.")]
     Grow(GrowArguments),
-    /// Wrinkles on an animated model, frame by frame in real time: pictures, an animation, wrinkled
-    /// geometry
-    #[command(after_help = "Examples:\n  plisse live character.glb --wavelength 0.03 --clip walk \
-            --frames 60 -o out/walk\n  \
+    /// Wrinkle an animated model in real time: pictures, an animation, wrinkled geometry
+    #[command(after_help = "Examples:\n  \
+        plisse live character.glb --wavelength 0.03 --clip walk --frames 60 -o out/walk\n  \
         plisse live shirt --wavelength 0.05 --export out/shirt.glb\n  plisse live --bench\n\n\
         Writes frame-0000.png and so on, animation.png (an animated PNG) and report.json into DIR. \
-        Runs on the GPU, or on a driver that\n\
-        stands in for one; with --cpu on the processor alone. Lengths are in metres (m), angles in \
-        degrees, times in seconds (s).\n\
-        Ctrl-C stops and keeps the frames that are done.")]
+        Runs on the GPU or on a software driver; with --cpu on the processor alone. Lengths are in \
+        metres (m), angles in degrees, times in seconds (s). Ctrl-C stops and keeps the finished \
+        frames.")]
     Live(LiveArguments),
     /// Solve a scene file: panels, material and clamps in, a wrinkled surface out
-    #[command(after_help = "Example:\n  plisse solve examples/01-twisted-cylinder.toml -o \
-            out/cylinder\n\n\
+    #[command(after_help = "Example:\n  \
+        plisse solve examples/01-twisted-cylinder.toml -o out/cylinder\n\n\
         Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into \
-        DIR.\n\
-        The scene format is described in docs/scene-format.md; lengths are in metres (m), Young's \
-        modulus in pascals (Pa), angles in\n\
-        degrees. Ctrl-C stops and writes the best state so far.")]
+        DIR. docs/scene-format.md describes scene files; lengths are in metres (m), Young's \
+        modulus in pascals (Pa), angles in degrees. Ctrl-C stops and writes the best state so \
+        far.")]
     Solve(SolveArguments),
     /// Solve a scene file by a full shell on a fine mesh, to compare with: slow, and right only
     /// where the mesh resolves the wrinkles
-    #[command(
-        after_help = "Example:\n  plisse shell examples/01-twisted-cylinder.toml --finer 3 -o \
-            out/cylinder-shell\n\n\
-        Writes base.obj (the start), shell.obj, shell.glb, report.json and picture.png into DIR.\n\
-        St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Ctrl-C stops and writes \
-        the best state so far."
-    )]
+    #[command(after_help = "Example:\n  \
+        plisse shell examples/01-twisted-cylinder.toml --finer 3 -o out/cylinder-shell\n\n\
+        Writes base.obj (the start), shell.obj, shell.glb, report.json and picture.png into DIR. \
+        St. Venant-Kirchhoff membrane and mid-edge bending, full Newton. Lengths are in metres \
+        (m). Ctrl-C stops and writes the best state so far.")]
     Shell(ShellArguments),
-    /// Print the tables of Chen et al. 2021 beside what this program finds
+    /// Print the tables of Chen et al. 2021 beside the figures of this program
     #[command(after_help = "Example:\n  plisse study ablation -o out/study\n\n\
-        Writes NAME.md, NAME.json and pictures into DIR; 'all' writes validation.md, too. The \
-        scenes are built in, so this runs\n\
-        anywhere. Ctrl-C stops and writes the rows that are done.")]
+        Writes NAME.md, NAME.json and pictures into DIR; 'all' also writes validation.md. The \
+        scenes are built in, so studies run anywhere. Units are in the titles of the columns. \
+        Ctrl-C stops and writes the finished rows.")]
     Study(StudyArguments),
-    /// Put wrinkles on a pose made elsewhere, given the rest shape it came from
-    #[command(
-        after_help = "Example:\n  plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 \
-            --poisson 0.44 --thickness 1e-4\n\n\
+    /// Put wrinkles on a pose made elsewhere, given its rest shape
+    #[command(after_help = "Example:\n  \
+        plisse wrinkle --rest rest.obj --pose pose.obj --young 1e7 --poisson 0.44 \
+        --thickness 1e-4\n\n\
         Rest and pose have the same faces in the same order; the rest shape may have more vertices \
-        (panels, seams).\n\
-        Writes base.obj, wrinkled.obj, wrinkled.glb, field.json, report.json and picture.png into \
-        DIR."
-    )]
+        (panels, seams). Meshes are in metres (m). Writes base.obj, wrinkled.obj, wrinkled.glb, \
+        field.json, report.json and picture.png into DIR.")]
     Wrinkle(WrinkleArguments),
 }
 
@@ -119,14 +110,24 @@ pub(crate) struct BakeArguments {
     /// wrote, or a scene (.toml)
     #[arg(value_name = "INPUT")]
     pub(crate) input: String,
-    /// What is baked
+    /// Maps to bake
     #[arg(long, value_enum, default_value_t = Map::Both)]
     pub(crate) map: Map,
-    /// Texels across and down
-    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    /// Width and height of the maps (texels)
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 2048,
+        value_parser = clap::value_parser!(u32).range(1..=16384)
+    )]
     pub(crate) size: u32,
-    /// Texels by which islands are grown
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=256))]
+    /// Padding around islands (texels)
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 8,
+        value_parser = clap::value_parser!(u32).range(0..=256)
+    )]
     pub(crate) padding: u32,
     /// Folder for the maps [default: out/NAME/maps, after the input]
     #[arg(short, long, value_name = "DIR")]
@@ -144,7 +145,7 @@ pub(crate) struct BakeArguments {
     pub(crate) threads: Option<u32>,
 }
 
-/// What wrinkles an animated model gets.
+/// Wrinkles of an animated model.
 #[derive(Args)]
 pub(crate) struct WaveArguments {
     /// Width of one wrinkle in the rest pose (m); vertex colours (red, 0 to 1) may make it shorter
@@ -182,7 +183,7 @@ pub(crate) struct WaveArguments {
 }
 
 impl WaveArguments {
-    /// The flag of these that was given first, if any was.
+    /// First of these flags that was given.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let flags = [
             ("--wavelength", self.wavelength.is_some()),
@@ -219,26 +220,26 @@ pub(crate) struct LiveArguments {
     /// Size of the pictures (pixels)
     #[arg(long, value_name = "WxH", default_value = "960x720")]
     pub(crate) size: String,
-    /// Where the camera stands: degrees to the right of the model's front (+z)
+    /// Camera position: degrees to the right of the model's front (+z)
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, allow_hyphen_values = true)]
     pub(crate) yaw: f64,
-    /// Where the camera stands: degrees above the horizon
+    /// Camera position: degrees above the horizon
     #[arg(long, value_name = "DEGREES", default_value_t = 12.0, allow_hyphen_values = true)]
     pub(crate) pitch: f64,
     /// Image to draw the model with (PNG or JPEG) instead of its own
     #[arg(long, value_name = "FILE")]
     pub(crate) texture: Option<PathBuf>,
-    /// Leave the texture where it is instead of shifting it with the wrinkles
+    /// Keep the texture in place instead of shifting it with the wrinkles
     #[arg(long)]
     pub(crate) no_parallax: bool,
-    /// Do everything on the processor, by the twins of the GPU's stages
+    /// Run the stages on the processor instead of the GPU
     #[arg(long)]
     pub(crate) cpu: bool,
     /// Also write wrinkled geometry: of the single frame, or with more frames a morph-target
     /// animation
     #[arg(long, value_name = "FILE.glb")]
     pub(crate) export: Option<PathBuf>,
-    /// Parts into which --export divides every edge [default: enough for 6 a wave], 1 to 64
+    /// Parts of every edge in --export, 1 to 64 [default: enough for 6 a wave]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub(crate) parts: Option<u32>,
     /// Measure milliseconds per stage on the paper's two cases and on 10k, 100k and 1M vertices
@@ -253,7 +254,7 @@ pub(crate) struct LiveArguments {
     pub(crate) threads: Option<u32>,
 }
 
-/// Which maps `plisse bake` writes.
+/// Maps that `plisse bake` writes.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Map {
     /// normal.png
@@ -281,10 +282,10 @@ pub(crate) struct GrowArguments {
     /// Folder for the results [default: out/NAME, after the input file]
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
-    /// Steps of growth at least [default: what the scene says, or as many as folds need]
+    /// Least number of growth steps [default: that of the scene, or as many as folds need]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub(crate) steps: Option<u32>,
-    /// How folds are found [default: what the scene says, or variational]
+    /// Method that finds folds [default: that of the scene, or variational]
     #[arg(long, value_enum, value_name = "MODE")]
     pub(crate) mode: Option<GrowthMode>,
     /// Also write the surface after each step, as a mesh and as a picture (no pictures with
@@ -299,7 +300,7 @@ pub(crate) struct GrowArguments {
     pub(crate) no_picture: bool,
 }
 
-/// How folds are found.
+/// Methods that find folds.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum GrowthMode {
     /// By the least energy of a film on a foundation
@@ -319,14 +320,19 @@ pub(crate) struct ShellArguments {
     /// Divides the edge length of every panel (no unit): 2 makes four times as many faces
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, allow_hyphen_values = true)]
     pub(crate) finer: f64,
-    /// Where the solve starts
+    /// Start of the solve
     #[arg(long, value_enum, default_value_t = Start::Base)]
     pub(crate) start: Start,
     /// Random roughness of the start, in thicknesses, so that a flat sheet can buckle at all
     #[arg(long, value_name = "H", default_value_t = 0.1)]
     pub(crate) imperfection: f64,
-    /// Newton iterations at most
-    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Maximum number of Newton iterations
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1000,
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000)
+    )]
     pub(crate) iterations: u32,
     /// Threads to use [default: one for each core]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
@@ -336,7 +342,7 @@ pub(crate) struct ShellArguments {
     pub(crate) no_picture: bool,
 }
 
-/// Where `plisse shell` starts.
+/// Starts of `plisse shell`.
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum Start {
     /// The tension-field base surface on the same mesh
@@ -365,10 +371,10 @@ pub(crate) struct WrinkleArguments {
     /// Vertices without wrinkles: one index (from 0) a line, or lines `index x y z`
     #[arg(long, value_name = "FILE")]
     pub(crate) clamp: Option<PathBuf>,
-    /// Which axis of the meshes points up, for the picture and for wrinkled.glb
+    /// Axis of the meshes that points up, for the picture and for wrinkled.glb
     #[arg(long, value_parser = up(), default_value = "y")]
     pub(crate) up: Up,
-    /// How wrinkle-free faces are found
+    /// Rule for wrinkle-free faces
     #[arg(long, value_enum, default_value_t = Rule::Paper)]
     pub(crate) wrinkle_free: Rule,
     #[command(flatten)]
@@ -377,22 +383,32 @@ pub(crate) struct WrinkleArguments {
 
 #[derive(Args)]
 pub(crate) struct StudyArguments {
-    /// Which study
+    /// The study
     #[arg(value_enum, value_name = "NAME")]
     pub(crate) name: StudyName,
     /// Folder for the results
     #[arg(short, long, value_name = "DIR", default_value = "out/study")]
     pub(crate) output: PathBuf,
-    /// Small meshes and few of them, to see within a minute that everything runs; the figures mean
+    /// Solve a few small meshes, to see within a minute that everything runs; the figures mean
     /// little
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Most vertices of a reference shell; finer ones are left out (13,000 take minutes each,
-    /// 100,000 hours)
-    #[arg(long, value_name = "N", default_value_t = 13_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    /// Maximum number of vertices of a reference shell; finer ones are left out (13,000 take
+    /// minutes each, 100,000 hours)
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 13_000,
+        value_parser = clap::value_parser!(u32).range(100..=1_000_000)
+    )]
     pub(crate) shell_limit_vertices: u32,
     /// Scenes of 'timing', by the numbers that their files begin with, such as 3,9 [default: all]
-    #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u8).range(1..=11))]
+    #[arg(
+        long,
+        value_name = "N,N",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u8).range(1..=11)
+    )]
     pub(crate) scenes: Vec<u8>,
     /// Folder with published meshes and solutions (tfw-disk, cylinder-688) for a further table of
     /// 'timing'
@@ -409,11 +425,11 @@ pub(crate) enum StudyName {
     /// Vertices, iterations and seconds for base, field and reference shell, per scene (tables 1
     /// and 2)
     Timing,
-    /// What depends on the number of vertices (figures 7, 20 and 21)
+    /// Dependence on the number of vertices (figures 7, 20 and 21)
     Resolution,
-    /// What depends on how the mesh is made (section 6.3, figure 18)
+    /// Dependence on the structure of the mesh (section 6.3, figure 18)
     Meshing,
-    /// What each term and correction is for (figures 4 and 5)
+    /// Effect of each term and correction (figures 4 and 5)
     Ablation,
     /// A scaling law instead of the solve (figures 8 and 10)
     ScalingLaw,
@@ -435,7 +451,7 @@ fn up() -> impl TypedValueParser<Value = Up> {
 pub(crate) enum Rule {
     /// Section 5.1 of Chen et al. 2021
     Paper,
-    /// What the published code of Chen et al. 2021 does
+    /// That of the published code of Chen et al. 2021
     Published,
 }
 

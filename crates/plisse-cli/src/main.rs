@@ -1,5 +1,5 @@
-//! The `plisse` command: reads scenes and meshes, runs the library, writes files. Everything it
-//! prints goes through `terminal`; the library never prints.
+//! The `plisse` command: reads scenes and meshes, calls the library, writes files and reports.
+//! Everything it prints goes through `terminal`; the library never prints.
 
 mod animated;
 mod arguments;
@@ -11,7 +11,6 @@ mod outputs;
 mod pipeline;
 mod progress;
 mod report;
-
 mod shell;
 mod solve;
 mod study;

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use plisse::progress::{Observer, Step};
 
-/// A bar per step of the pipeline, with energy, residual and an estimate of the time left.
+/// Progress bars, one per solve, with energy, residual and an estimate of the time left.
 pub(crate) struct Bars<'a> {
     interrupted: &'a AtomicBool,
     current: Mutex<Option<Current>>,
-    /// When the last line was written, if nobody can see bars.
+    /// Time of the last line, if standard error is no terminal.
     lines: Option<Mutex<Instant>>,
 }
 
@@ -57,7 +57,7 @@ impl<'a> Bars<'a> {
         ProgressBar::new(total as u64).with_style(style).with_prefix(what)
     }
 
-    /// Takes the current bar away.
+    /// Removes the current bar.
     pub(crate) fn finish(&self) {
         if let Some(current) =
             self.current.lock().expect("no thread panics while it holds a bar").take()
@@ -117,7 +117,7 @@ impl Observer for Bars<'_> {
     }
 }
 
-/// Whether it is time for another line; then this is when the last one was written.
+/// True if another line is due; `now` is then its time.
 fn is_due(last: &mut Instant, now: Instant) -> bool {
     let due = now.duration_since(*last) >= BETWEEN_LINES;
     if due {

@@ -22,7 +22,7 @@ pub(crate) struct Report {
     pub(crate) generators: usize,
     /// Whole turns around each, the largest first.
     pub(crate) periods: Vec<i64>,
-    /// Turns that the energy alone asks for, in the same order.
+    /// Turns of least energy before rounding, in the same order.
     pub(crate) periods_before_rounding: Vec<f64>,
     /// True if the integers are proven to be the nearest.
     pub(crate) rounding_exact: bool,
@@ -76,7 +76,7 @@ pub(crate) struct Seconds {
     pub(crate) base: f64,
     pub(crate) field: f64,
     pub(crate) phase: f64,
-    /// Of subdividing, displacing, drawing and writing.
+    /// Subdividing, displacing, drawing and writing.
     pub(crate) surface: f64,
     pub(crate) total: f64,
 }

@@ -1,5 +1,5 @@
 //! Bad input for `plisse solve` from outside: each gives one sentence that names the place and the
-//! mend, exit code 2, and no files; soon, whatever it asks for.
+//! fix, exit code 2, and no files; soon, whatever it asks for.
 
 mod harness;
 
@@ -79,7 +79,7 @@ fn refuse(name: &str, content: impl AsRef<[u8]>, needles: &[&str]) {
     assert!(begun.elapsed() < SOON, "{name} took {:?}", begun.elapsed());
     assert_refused(&output, &out, &[&[name][..], needles].concat());
     let text = String::from_utf8_lossy(&output.stderr);
-    assert!(text.contains("; "), "the mend is missing: {text}");
+    assert!(text.contains("; "), "the fix is missing: {text}");
     assert_eq!(names(&folder.0), [name], "nothing else is left");
 }
 

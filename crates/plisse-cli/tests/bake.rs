@@ -149,7 +149,8 @@ fn bad_input_is_one_sentence() {
     let mesh = folder.write("base.obj", obj);
     let field = |count: usize| {
         format!(
-            "{{\"amplitude\":{:?},\"edges\":[[0,1],[0,2],[1,2]],\"omega\":[0,0,0],\"phase\":[[0,0,0]],\"wrinkle_free\":[]}}",
+            r#"{{"amplitude":{:?},"edges":[[0,1],[0,2],[1,2]],"omega":[0,0,0],
+            "phase":[[0,0,0]],"wrinkle_free":[]}}"#,
             vec![0.1; count]
         )
     };

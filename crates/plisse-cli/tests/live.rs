@@ -33,7 +33,7 @@ fn pixels(path: &Path) -> ([u32; 2], Vec<u8>, u32) {
 }
 
 #[test]
-fn frames_a_film_and_a_report_by_the_twins() {
+fn frames_a_film_and_a_report_on_the_cpu() {
     let folder = Folder::new("live-frames");
     let out = folder.0.join("out");
     let more =
@@ -149,10 +149,13 @@ fn a_still_model_is_a_still() {
     let model = |name: &str, positions: [f32; 9]| {
         let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).collect();
         folder.write(&format!("{name}.bin"), &bytes);
-        let text = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"uri":"NAME.bin","byteLength":36}],
+        let text = r#"{"asset":{"version":"2.0"},
+            "scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "buffers":[{"uri":"NAME.bin","byteLength":36}],
             "bufferViews":[{"buffer":0,"byteLength":36}],
-            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[2,1,0]}]}"#;
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+            "min":[0,0,0],"max":[2,1,0]}]}"#;
         folder
             .write(&format!("{name}.gltf"), text.replace("NAME", name))
             .to_str()

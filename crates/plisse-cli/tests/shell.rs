@@ -11,10 +11,12 @@ use plisse::obstacle::Obstacle;
 const STRIP: &str = r#"
 title = "Pressed strip"
 material = { young_pa = 1e7, poisson = 0.0, thickness_m = 1e-3 }
-panel = [{ name = "strip", shape = "rectangle", width_m = 0.4, height_m = 0.1, edge_length_m = 0.02, mesh = "rising" }]
+panel = [{ name = "strip", shape = "rectangle", width_m = 0.4, height_m = 0.1, edge_length_m = 0.02,
+    mesh = "rising" }]
 clamp = [{ side = "strip.left" }, { side = "strip.right", move_m = [-0.02, 0.0, 0.0] }]
 measure = [
-  { name = "waves", kind = "waves_along", panel = "strip", from_m = [0.0, 0.05], to_m = [0.4, 0.05], published = 0.5, source = "Euler 1744" },
+  { name = "waves", kind = "waves_along", panel = "strip", from_m = [0.0, 0.05], to_m = [0.4, 0.05],
+    published = 0.5, source = "Euler 1744" },
   { name = "turns", kind = "largest_period" },
 ]
 "#;

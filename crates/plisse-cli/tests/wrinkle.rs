@@ -84,7 +84,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn bad_files_are_told_with_the_place_and_the_mend() {
+fn errors_about_bad_files_name_the_place_and_the_fix() {
     let folder = Folder::new("bad");
     let rest = folder.write("rest.obj", sheet(3, 1.0, false));
     let pose = folder.write("pose.obj", sheet(3, 0.9, false));

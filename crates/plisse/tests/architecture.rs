@@ -1,8 +1,13 @@
-//! ARCHITECTURE.md against the code: the crates it names, what they must not know, and the order of
-//! the modules.
+//! ARCHITECTURE.md against the code: the crates it names, the walls between them, and the order of
+//! the library's modules.
 
-use std::collections::BTreeSet;
+mod code;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use code::{Source, blanked, sources};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -17,99 +22,165 @@ fn read(path: impl AsRef<Path>) -> String {
 fn first_cells(text: &str, heading: &str) -> Vec<Vec<String>> {
     let section = text.split(heading).nth(1).unwrap_or_else(|| panic!("no heading {heading}"));
     let section = section.split("\n## ").next().unwrap();
-    section
-        .lines()
-        .filter(|line| line.starts_with("| `"))
-        .map(|line| {
-            line.split('|')
-                .nth(1)
-                .unwrap()
-                .split('`')
-                .skip(1)
-                .step_by(2)
-                .map(str::to_owned)
-                .collect()
-        })
-        .collect()
+    let cell = |line: &str| -> Vec<String> {
+        line.split('|').nth(1).unwrap().split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    };
+    section.lines().filter(|line| line.starts_with("| `")).map(cell).collect()
 }
+
+/// Packages that each package of the workspace is built with (its tests aside), by their own names,
+/// also under another name in its manifest or on another platform. Those of the workspace bring
+/// theirs along.
+fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version", "1", "--offline"])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut all: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in metadata["packages"].as_array().unwrap() {
+        let own = all.entry(package["name"].as_str().unwrap().to_owned()).or_default();
+        for dependency in package["dependencies"].as_array().unwrap() {
+            if dependency["kind"] != "dev" {
+                own.insert(dependency["name"].as_str().unwrap().to_owned());
+            }
+        }
+    }
+    // As many rounds as the longest chain may have.
+    for _ in 0..all.len() {
+        for (name, own) in all.clone() {
+            let brought: Vec<String> =
+                own.iter().filter_map(|other| all.get(other)).flatten().cloned().collect();
+            all.get_mut(&name).unwrap().extend(brought);
+        }
+    }
+    all
+}
+
+/// Packages by which a program is more than a library.
+const TERMINAL: [&str; 3] = ["clap", "ctrlc", "indicatif"];
+const WINDOW: [&str; 4] = ["eframe", "egui", "egui-winit", "winit"];
+const GPU: [&str; 2] = ["wgpu", "naga"];
+const PYTHON: [&str; 1] = ["pyo3"];
+
+/// Packages that a crate must not be built with, directly or by way of the workspace's crates.
+const WALLS: [(&str, &[&[&str]]); 5] = [
+    (
+        "plisse",
+        &[
+            &TERMINAL,
+            &WINDOW,
+            &GPU,
+            &PYTHON,
+            &["plisse-live", "plisse-gpu", "plisse-studio", "plisse-cli"],
+        ],
+    ),
+    (
+        "plisse-live",
+        &[&TERMINAL, &WINDOW, &GPU, &PYTHON, &["plisse-gpu", "plisse-studio", "plisse-cli"]],
+    ),
+    ("plisse-gpu", &[&TERMINAL, &WINDOW, &PYTHON, &["plisse-studio", "plisse-cli"]]),
+    ("plisse-studio", &[&["ctrlc", "indicatif"], &PYTHON, &["plisse-cli"]]),
+    ("plisse-cli", &[&WINDOW, &PYTHON, &["plisse-studio"]]),
+];
+
+/// Packages that a crate must not name in its own manifest: it reaches them through the crate whose
+/// part they are.
+const NOT_DIRECTLY: [(&str, &[&str]); 2] = [
+    ("plisse-cli", &["faer", "nalgebra", "parry3d-f64", "robust", "spade", "wgpu"]),
+    ("plisse-studio", &["faer", "parry3d-f64", "robust", "spade"]),
+];
 
 #[test]
 fn the_crate_table_lists_the_crates_there_are() {
-    let listed: BTreeSet<String> = first_cells(&read(root().join("ARCHITECTURE.md")), "## Crates")
-        .concat()
-        .into_iter()
-        .collect();
+    let table = first_cells(&read(root().join("ARCHITECTURE.md")), "## Crates").concat();
+    let listed: BTreeSet<String> = table.into_iter().collect();
     let there: BTreeSet<String> = std::fs::read_dir(root().join("crates"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
         .collect();
     assert_eq!(listed, there);
+    assert_eq!(listed, dependencies().into_keys().collect());
+    assert_eq!(listed, WALLS.map(|(name, _)| name.to_owned()).into());
 }
 
 #[test]
-fn the_library_knows_no_terminal_window_or_gpu() {
-    let manifest = read(root().join("crates/plisse/Cargo.toml"));
-    for forbidden in ["clap", "indicatif", "ctrlc", "wgpu", "egui", "eframe", "pyo3"] {
-        let named = manifest.lines().any(|line| {
-            line.starts_with(&format!("{forbidden}.")) || line.starts_with(&format!("{forbidden} "))
-        });
-        assert!(!named, "crates/plisse depends on {forbidden}");
+fn no_crate_is_built_with_what_it_must_not_know() {
+    let all = dependencies();
+    for (name, walls) in WALLS {
+        let used = &all[name];
+        for forbidden in walls.concat() {
+            assert!(!used.contains(forbidden), "{name} is built with {forbidden}");
+        }
     }
-    // The shown invariant names them too.
+    for (name, walls) in NOT_DIRECTLY {
+        let manifest = read(root().join("crates").join(name).join("Cargo.toml"));
+        for forbidden in walls {
+            assert!(
+                !manifest.lines().any(|line| line.contains(forbidden) && line.contains('=')),
+                "crates/{name}/Cargo.toml names {forbidden}"
+            );
+        }
+    }
+    // The invariants that people read name them too.
     let text = read(root().join("ARCHITECTURE.md"));
-    assert!(
-        ["clap", "indicatif", "wgpu", "egui", "pyo3"]
-            .iter()
-            .all(|name| text.contains(&format!("`{name}`")))
-    );
+    for name in ["clap", "indicatif", "wgpu", "egui", "pyo3"] {
+        assert!(text.contains(&format!("`{name}`")), "ARCHITECTURE.md does not name {name}");
+    }
+}
+
+#[test]
+fn the_studios_document_and_brush_know_no_window_gpu_or_file_system() {
+    let inner = |source: &Source| {
+        source.modules.first().is_some_and(|m| m == "document" || m.starts_with("brush"))
+    };
+    let all = sources(&root().join("crates/plisse-studio/src"));
+    let files: Vec<&Source> = all.iter().filter(|source| inner(source)).collect();
+    assert!(files.len() > 5, "only {} files were found", files.len());
+    for file in files {
+        for forbidden in ["egui", "eframe", "wgpu", "plisse_gpu", "std::fs"] {
+            assert!(!file.code.contains(forbidden), "{}: {forbidden}", file.path.display());
+        }
+    }
 }
 
 #[test]
 fn modules_use_only_what_lies_before_them() {
     let order = first_cells(&read(root().join("ARCHITECTURE.md")), "## Inside `crates/plisse/src`");
     let rank = |module: &str| order.iter().position(|row| row.iter().any(|name| name == module));
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut checked = 0;
-    for (module, file) in sources(&source) {
-        if module == "lib" {
-            continue;
-        }
-        let own = rank(&module)
+    for file in sources(&root().join("crates/plisse/src")) {
+        let Some(module) = file.modules.first() else { continue };
+        let own = rank(module)
             .unwrap_or_else(|| panic!("ARCHITECTURE.md does not place the module {module}"));
-        // Tests at the end of a file may use what they like.
-        let text = read(&file);
-        let code = text.split("#[cfg(test)]").next().unwrap();
-        for part in code.split("crate::").skip(1) {
-            let used: String =
-                part.chars().take_while(|c| c.is_ascii_lowercase() || *c == '_').collect();
-            if let Some(other) = rank(&used) {
-                assert!(
-                    other <= own,
-                    "{} uses crate::{used}, which comes after {module}",
-                    file.display()
-                );
-                checked += 1;
-            }
+        for used in file.used() {
+            let Some(other) = rank(&used) else { continue };
+            let path = file.path.display();
+            assert!(other <= own, "{path} uses crate::{used}, which comes after {module}");
+            checked += 1;
         }
     }
-    assert!(checked > 50, "only {checked} uses were found");
+    assert!(checked > 250, "only {checked} uses were found");
 }
 
-/// Every source file with the top-level module it belongs to.
-fn sources(folder: &Path) -> Vec<(String, PathBuf)> {
-    let mut list = Vec::new();
-    let mut todo = vec![(None::<String>, folder.to_path_buf())];
-    while let Some((module, folder)) = todo.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            let stem = path.file_stem().unwrap().to_str().unwrap().to_owned();
-            let module = module.clone().unwrap_or_else(|| stem.clone());
-            if path.is_dir() {
-                todo.push((Some(module), path));
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                list.push((module, path));
-            }
-        }
-    }
-    list
+#[test]
+fn comments_strings_and_test_items_are_not_read() {
+    let source = Source {
+        path: PathBuf::new(),
+        modules: vec!["a".to_owned(), "b".to_owned()],
+        code: blanked(
+            "use crate::{one, two::{x, y}, three}; // crate::four\n'\\'' \"crate::five\" 'a",
+        ),
+    };
+    assert_eq!(source.used(), ["one", "two", "three"]);
+    let source = Source { code: "super::x super::super::six::y".to_owned(), ..source };
+    assert_eq!(source.used(), ["six"]);
+    let text = "r#\"crate::a \"quoted\" \"# b\"\\\"crate::b\" /* crate::c */ crate::d";
+    let text = format!("{text} #[cfg(test)] mod tests {{ use crate::e; }} use crate::f;");
+    assert_eq!(
+        Source { code: code::without_tests(&blanked(&text)).0, ..source }.used(),
+        ["d", "f"]
+    );
 }

@@ -1,5 +1,5 @@
-//! What each term and correction is for (figures 4 and 5 of [Chen 2021]), and which minimum is
-//! found.
+//! Effect of each term and correction (figures 4 and 5 of [Chen 2021]), and of the projection of
+//! element Hessians on the minimum that is found.
 
 use plisse::linalg::PsdProjection;
 use plisse::scene;
@@ -8,7 +8,7 @@ use super::solved::{Look, Solution};
 use super::table::{Cell, count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
 
-/// What is left out of scene 01, and the published number of waves.
+/// Terms and corrections left out of scene 01, each with the published number of waves.
 const LEFT_OUT: [(&str, Option<&str>); 8] = [
     ("nothing", Some("46")),
     ("v1", Some("> 180")),
@@ -46,8 +46,7 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
             "waves before rounding",
             "waves",
             "published waves",
-            "largest \
-            amplitude (mm)",
+            "largest amplitude (mm)",
             "iterations",
             "energy (J)",
         ],
@@ -98,8 +97,7 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
             "vertices",
             "waves around",
             "largest amplitude (mm)",
-            "wrinkle-free \
-            faces",
+            "wrinkle-free faces",
             "iterations",
             "energy (J)",
             "published",
@@ -149,15 +147,14 @@ fn treatments(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Which minimum is found",
         "The energy has many minima. While the Hessian is indefinite, negative eigenvalues of \
-         element Hessians are mirrored (the default) or \
-         clamped to zero. Energies are of the field, lower is better. Nothing was published.",
+         element Hessians are replaced by their absolute values (the default) or clamped to zero. \
+         Energies are of the field, lower is better. Nothing was published.",
         &[
             "scene",
-            "mirrored: energy (J)",
+            "absolute: energy (J)",
             "iterations",
             "clamped: energy (J)",
-            "clamped: \
-            iterations",
+            "clamped: iterations",
         ],
     );
     for number in 1..=3 {

@@ -1,5 +1,5 @@
-//! `plisse study`: the tables of [Chen 2021] beside ours. One file for each study; [`table`] is
-//! what they write, [`solved`] what they share, [`scenes`] what they solve.
+//! `plisse study`: the tables of [Chen 2021] beside ours. One file for each study; [`scenes`] holds
+//! their scenes, [`solved`] solves and draws them, [`table`] writes the tables.
 
 mod ablation;
 mod meshing;
@@ -24,7 +24,7 @@ use crate::progress::Bars;
 use crate::terminal::RunEnd;
 use table::Document;
 
-/// Why a study ends before its end.
+/// Reason for ending a study early.
 pub(crate) enum Stop {
     /// The user interrupted it.
     Interrupted,
@@ -46,7 +46,7 @@ pub(crate) struct Study<'a> {
     pub(crate) quick: bool,
     /// Numbers of the scenes of [`timing`]; all if there are none.
     scenes: Vec<u8>,
-    /// Most vertices of a reference shell.
+    /// Maximum number of vertices of a reference shell.
     pub(crate) shell_limit: usize,
     /// Published meshes and solutions.
     pub(crate) data: Option<PathBuf>,
@@ -146,8 +146,8 @@ fn command(name: &str, arguments: &StudyArguments) -> String {
 
 /// All studies in one text.
 fn validation(documents: &[Document], arguments: &StudyArguments) -> String {
-    let mut out = "# Validation\n\nWhat this program finds, beside what Chen et al. 2021 (\"Fine \
-        Wrinkling on Coarsely-Meshed Thin Shells\") published.\n"
+    let mut out = "# Validation\n\nThe figures of this program beside those of Chen et al. 2021 \
+        (\"Fine Wrinkling on Coarsely-Meshed Thin Shells\").\n"
         .to_owned();
     out += "A dash means that nothing was published, or that ours was not run.\n\n";
     if let Some(first) = documents.first() {
@@ -178,17 +178,17 @@ impl Study<'_> {
         Ok(document)
     }
 
-    /// Whether the scene of this number is asked for.
+    /// True if the scene of this number is asked for.
     pub(crate) fn has_scene(&self, number: usize) -> bool {
         self.scenes.is_empty() || self.scenes.iter().any(|&scene| usize::from(scene) == number)
     }
 
-    /// Ends the study if the user wants that.
-    pub(crate) fn go_on(&self) -> std::result::Result<(), Stop> {
+    /// Ends the study if the user interrupted it.
+    pub(crate) fn check_interrupted(&self) -> std::result::Result<(), Stop> {
         if self.interrupted.load(Ordering::SeqCst) { Err(Stop::Interrupted) } else { Ok(()) }
     }
 
-    /// What came out; what failed is noted, so that the rest of the study goes on.
+    /// The value of `outcome`. A failure becomes a note, so that the rest of the study goes on.
     pub(crate) fn or_note<T>(
         &mut self,
         what: &str,

@@ -1,4 +1,4 @@
-//! What depends on the number of vertices (figures 7, 20 and 21 of [Chen 2021]).
+//! Dependence of field and shell on the number of vertices (figures 7, 20 and 21 of [Chen 2021]).
 
 use plisse::scene::{self, Scene};
 
@@ -116,8 +116,7 @@ fn stretched_sheet(study: &mut Study<'_>) -> Result<(), Stop> {
             "vertices",
             "waves across the middle",
             "published waves",
-            "largest \
-            amplitude (mm)",
+            "largest amplitude (mm)",
             "published (mm)",
             "energy (J)",
             "iterations",
@@ -157,8 +156,7 @@ fn sheared_rectangle(study: &mut Study<'_>) -> Result<(), Stop> {
             "wrinkles along the middle line",
             "published",
             "energy (J)",
-            "base: \
-            iterations",
+            "base: iterations",
             "field: iterations",
         ],
     );
@@ -267,8 +265,8 @@ fn shell_of_the_cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Reference shell on the twisted cylinder (scene 01)",
         "Waves counted around the middle, as one counts by eye. Started from the base surface on \
-         the same mesh, 0.1 thicknesses rough. Published: \
-         Chen et al. 2021, figure 21, irregular meshes; the field has 46 from 180 vertices on.",
+         the same mesh, 0.1 thicknesses rough. Published: Chen et al. 2021, figure 21, irregular \
+         meshes; the field has 46 from 180 vertices on.",
         &SHELL,
     );
     let scene = with_waves_at_half_height(scenes::first_three(1)?);

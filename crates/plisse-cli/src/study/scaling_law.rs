@@ -17,12 +17,11 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Wavelength by the distance from the clamps",
         "The law: from a clamped edge the wavelength grows with the distance x as (B/T)^¼ x^½ \
-         under a tension T, as h^⅓ δ^(−1/6) x^⅔ without \
-         (Vandeparre et al. 2011). It has no prefactors; ours under tension, 2√(2π), gives in the \
-         middle between two clamps the wavelength of \
-         Cerda and Mahadevan 2003. Medians over faces that wrinkle visibly. Published (Chen et al. \
-         2021, figures 8 and 10) as pictures only: too \
-         fine, unnatural wrinkles near the clamps.",
+         under a tension T, as h^⅓ δ^(−1/6) x^⅔ without (Vandeparre et al. 2011). It has no \
+         prefactors; ours under tension, 2√(2π), gives in the middle between two clamps the \
+         wavelength of Cerda and Mahadevan 2003. Medians over faces that wrinkle visibly. \
+         Published (Chen et al. 2021, figures 8 and 10) as pictures only: too fine, unnatural \
+         wrinkles near the clamps.",
         &["scene", "where", "solve: wavelength (mm)", "law (mm)", "law, as a closed form (mm)"],
     );
     for number in [2, 3, 1] {

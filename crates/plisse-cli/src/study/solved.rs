@@ -36,7 +36,7 @@ impl Solution {
         self.pose.len()
     }
 
-    /// Most turns around a loop.
+    /// Period with the most turns around a loop.
     pub(crate) fn around(&self) -> Option<Period> {
         self.solved.report.periods.first().copied()
     }
@@ -112,13 +112,12 @@ impl Study<'_> {
         self.one_step(|| scene::solve_base(scene, built, self.bars))
     }
 
-    /// `solve`, with its bar put away; neither it nor what it found counts if there was an
-    /// interruption.
+    /// Runs `solve` and removes its bar. Its result is dropped if the user interrupted it.
     fn one_step<T>(&self, solve: impl FnOnce() -> plisse::Result<T>) -> Result<T, Stop> {
-        self.go_on()?;
+        self.check_interrupted()?;
         let found = solve()?;
         self.bars.finish();
-        self.go_on()?;
+        self.check_interrupted()?;
         Ok(found)
     }
 
@@ -152,7 +151,7 @@ impl Study<'_> {
         built: &Built,
         base: &[Vec3],
     ) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
-        self.go_on()?;
+        self.check_interrupted()?;
         let limit = if self.quick { 30 } else { ReferenceOptions::default().iteration_limit };
         let imperfection_m = IMPERFECTION * built.material.thickness_m;
         let options = ReferenceOptions {
@@ -166,8 +165,8 @@ impl Study<'_> {
         if matches!(report.ending, Ending::IterationLimit | Ending::Cancelled) {
             let (title, vertices, iterations) = (&built.title, base.len(), report.iterations);
             self.document.notes.push(format!(
-                "{title}, reference shell of {vertices} vertices: \
-                stopped after {iterations} iterations"
+                "{title}, reference shell of {vertices} vertices: stopped after {iterations} \
+                 iterations"
             ));
         }
         Ok((pose, report, watch.stable_seconds()))

@@ -1,5 +1,4 @@
-//! What a study writes: tables with a published number beside each of ours, as Markdown and as
-//! JSON.
+//! Tables of a study, with a published number beside each of ours, as Markdown and as JSON.
 
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -54,7 +53,7 @@ pub(crate) fn maybe<T>(value: Option<T>, cell: impl Fn(T) -> Cell) -> Cell {
 #[derive(Serialize)]
 pub(crate) struct Table {
     title: String,
-    /// What it shows, and where the published numbers are from.
+    /// Explanation, with the source of the published numbers.
     text: String,
     #[serde(skip)]
     columns: Vec<&'static str>,
@@ -71,7 +70,7 @@ pub(crate) struct Illustration {
     pub(crate) caption: String,
 }
 
-/// All that a study has to say.
+/// Tables, pictures and notes of a study.
 #[derive(Serialize)]
 pub(crate) struct Document {
     pub(crate) name: &'static str,
@@ -82,7 +81,7 @@ pub(crate) struct Document {
     /// Logical cores of the machine, and threads used.
     pub(crate) cores: usize,
     pub(crate) threads: usize,
-    /// Whether everything was done.
+    /// True if no row is missing.
     pub(crate) complete: bool,
     pub(crate) tables: Vec<Table>,
     pub(crate) pictures: Vec<Illustration>,

@@ -16,65 +16,129 @@ use super::table::{count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
 use crate::report::shell_ending;
 
-/// What was published about a scene's solves.
+/// Iterations and seconds of a published solve.
+struct PublishedSolve {
+    iterations: u32,
+    seconds: f64,
+}
+
+/// Seconds until the picture of a published solve stands still.
+struct PublishedStable {
+    field_seconds: f64,
+    shell_seconds: f64,
+}
+
+/// Published figures of a scene's solves.
 struct Published {
     scene: usize,
-    /// Of the field: vertices, iterations and seconds of base and field (table 2, 8 cores).
+    /// Vertices of the field (table 2).
     vertices: &'static str,
-    base: Option<(u32, f64)>,
-    field: Option<(u32, f64)>,
-    /// Seconds of the published code on a 2-core machine: base and field.
-    here: Option<(f64, f64)>,
+    /// Base and field solve on 8 cores (table 2).
+    base: Option<PublishedSolve>,
+    field: Option<PublishedSolve>,
+    /// Seconds of the published code's field solve on a 2-core machine.
+    field_here_seconds: Option<f64>,
     /// Vertices of the reference shell that shows the same wrinkles (table 1).
     shell_vertices: Option<usize>,
-    /// Seconds until the picture stands still: field and reference shell (table 1).
-    stable: Option<(f64, f64)>,
+    /// Stable times (table 1).
+    stable: Option<PublishedStable>,
 }
 
+/// A published solve.
+const fn solve_of(iterations: u32, seconds: f64) -> Option<PublishedSolve> {
+    Some(PublishedSolve { iterations, seconds })
+}
+
+/// Published stable times.
+const fn stable(field_seconds: f64, shell_seconds: f64) -> Option<PublishedStable> {
+    Some(PublishedStable { field_seconds, shell_seconds })
+}
+
+impl Published {
+    /// A scene of which nothing is known but the vertices of its field.
+    const fn new(scene: usize, vertices: &'static str) -> Self {
+        Self {
+            scene,
+            vertices,
+            base: None,
+            field: None,
+            field_here_seconds: None,
+            shell_vertices: None,
+            stable: None,
+        }
+    }
+}
+
+/// Published figures of scenes 01 to 11.
 const PUBLISHED: [Published; 11] = [
-    entry(
-        1,
-        "688",
-        Some((12, 0.69)),
-        Some((813, 104.92)),
-        Some((1.0, 73.7)),
-        Some(96_000),
-        Some((50.94, 1528.68)),
-    ),
-    entry(2, "522", Some((10, 0.45)), Some((23, 3.93)), None, Some(260_000), Some((2.57, 886.80))),
-    entry(3, "1k", Some((21, 2.27)), Some((147, 27.52)), None, Some(20_000), Some((9.63, 673.11))),
-    entry(4, "1.6k", None, Some((46, 15.06)), None, None, None),
-    entry(5, "1.4k", None, Some((72, 29.74)), Some((372.0, 19.9)), Some(40_000), None),
-    entry(6, "4k", None, Some((74, 141.74)), None, Some(60_000), None),
-    entry(7, "2k", Some((11, 2.27)), Some((125, 74.82)), None, Some(40_000), Some((44.81, 57.29))),
-    entry(8, "5k", Some((33, 16.04)), Some((91, 125.33)), None, Some(40_000), Some((52.33, 76.52))),
-    entry(9, "936", Some((8, 0.78)), Some((46, 7.32)), None, Some(30_000), Some((1.98, 148.37))),
-    entry(
-        10,
-        "2k",
-        Some((3, 0.93)),
-        Some((1001, 322.25)),
-        None,
-        Some(98_000),
-        Some((26.29, 251.91)),
-    ),
-    entry(11, "–", None, None, None, None, None),
+    Published {
+        base: solve_of(12, 0.69),
+        field: solve_of(813, 104.92),
+        field_here_seconds: Some(73.7),
+        shell_vertices: Some(96_000),
+        stable: stable(50.94, 1528.68),
+        ..Published::new(1, "688")
+    },
+    Published {
+        base: solve_of(10, 0.45),
+        field: solve_of(23, 3.93),
+        shell_vertices: Some(260_000),
+        stable: stable(2.57, 886.80),
+        ..Published::new(2, "522")
+    },
+    Published {
+        base: solve_of(21, 2.27),
+        field: solve_of(147, 27.52),
+        shell_vertices: Some(20_000),
+        stable: stable(9.63, 673.11),
+        ..Published::new(3, "1k")
+    },
+    Published { field: solve_of(46, 15.06), ..Published::new(4, "1.6k") },
+    Published {
+        field: solve_of(72, 29.74),
+        field_here_seconds: Some(19.9),
+        shell_vertices: Some(40_000),
+        ..Published::new(5, "1.4k")
+    },
+    Published {
+        field: solve_of(74, 141.74),
+        shell_vertices: Some(60_000),
+        ..Published::new(6, "4k")
+    },
+    Published {
+        base: solve_of(11, 2.27),
+        field: solve_of(125, 74.82),
+        shell_vertices: Some(40_000),
+        stable: stable(44.81, 57.29),
+        ..Published::new(7, "2k")
+    },
+    Published {
+        base: solve_of(33, 16.04),
+        field: solve_of(91, 125.33),
+        shell_vertices: Some(40_000),
+        stable: stable(52.33, 76.52),
+        ..Published::new(8, "5k")
+    },
+    Published {
+        base: solve_of(8, 0.78),
+        field: solve_of(46, 7.32),
+        shell_vertices: Some(30_000),
+        stable: stable(1.98, 148.37),
+        ..Published::new(9, "936")
+    },
+    Published {
+        base: solve_of(3, 0.93),
+        field: solve_of(1001, 322.25),
+        shell_vertices: Some(98_000),
+        stable: stable(26.29, 251.91),
+        ..Published::new(10, "2k")
+    },
+    Published::new(11, "–"),
 ];
 
-const fn entry(
-    scene: usize,
-    vertices: &'static str,
-    base: Option<(u32, f64)>,
-    field: Option<(u32, f64)>,
-    here: Option<(f64, f64)>,
-    shell_vertices: Option<usize>,
-    stable: Option<(f64, f64)>,
-) -> Published {
-    Published { scene, vertices, base, field, here, shell_vertices, stable }
-}
-
-/// Steps shorter than this (s) are run again, and the median of [`RUNS`] counts.
+/// Duration (s) below which a step is run again, so that other programs disturb its time less.
 const SHORT: f64 = 2.0;
+/// Runs of a short step, of which the median counts.
 const RUNS: usize = 3;
 
 pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
@@ -106,10 +170,9 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Base surface and field",
         "Seconds, medians where they are short. Published: Chen et al. 2021, table 2, 8 cores at \
-         3.6 GHz, 1000 iterations at most; their code on a \
-         2-core machine where that was measured (on its own base surface of about the same size). \
-         Ratio: their field seconds, on 2 cores where \
-         known, divided by ours.",
+         3.6 GHz, 1000 iterations at most; their code on a 2-core machine where that was measured \
+         (on its own base surface of about the same size). Ratio: their field seconds, on 2 cores \
+         where known, divided by ours.",
         &[
             "scene",
             "vertices",
@@ -133,21 +196,21 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
         else {
             continue;
         };
-        let theirs =
-            published.here.map(|(_, field)| field).or(published.field.map(|(_, seconds)| seconds));
+        let (base, field) = (published.base.as_ref(), published.field.as_ref());
+        let theirs = published.field_here_seconds.or(field.map(|field| field.seconds));
         study.document.row([
             text(&scene.title),
             count(solution.vertices()),
             text(published.vertices),
             count(solution.base.iterations),
             fixed(base_seconds, 3),
-            maybe(published.base, |(iterations, _)| count(iterations)),
-            maybe(published.base, |(_, seconds)| fixed(seconds, 2)),
+            maybe(base, |base| count(base.iterations)),
+            maybe(base, |base| fixed(base.seconds, 2)),
             count(solution.solved.report.iterations),
             fixed(field_seconds, 3),
-            maybe(published.field, |(iterations, _)| count(iterations)),
-            maybe(published.field, |(_, seconds)| fixed(seconds, 2)),
-            maybe(published.here, |(_, seconds)| fixed(seconds, 1)),
+            maybe(field, |field| count(field.iterations)),
+            maybe(field, |field| fixed(field.seconds, 2)),
+            maybe(published.field_here_seconds, |seconds| fixed(seconds, 1)),
             maybe(theirs, |seconds| fixed(seconds / field_seconds, 0)),
         ]);
     }
@@ -174,13 +237,12 @@ fn shells(study: &mut Study<'_>) -> Result<(), Stop> {
     study.document.table(
         "Field against reference shell",
         "Equal quality means the vertices of table 1 of Chen et al. 2021, at which their shell \
-         shows its wrinkles. Where that is beyond the limit \
-         of vertices, the shell is run at the limit: its seconds, and the ratio, are lower bounds \
-         (>). Stable: from where the energy stays within 0.1 % of \
-         the last one (that of loads included, so early under pressure). Ratios: these, or all, \
-         seconds of the shell divided by all seconds of the field, both from the base surface on; \
-         published ratio: stable \
-         times of table 1. Waves by the scene's first measure in waves.",
+         shows its wrinkles. Where that is beyond the limit of vertices, the shell is run at the \
+         limit: its seconds, and the ratio, are lower bounds (>). Stable: from where the energy \
+         stays within 0.1 % of the last one (that of loads included, so early under pressure). \
+         Ratios: these, or all, seconds of the shell divided by all seconds of the field, both \
+         from the base surface on; published ratio: stable times of table 1. Waves by the scene's \
+         first measure in waves.",
         &[
             "scene",
             "field: vertices",
@@ -240,7 +302,7 @@ fn one_shell(
         maybe(in_waves(&scene::measure_shell(&built, &base, &pose)), |n| fixed(n, 1)),
         ratio(stable_seconds),
         ratio(report.seconds),
-        maybe(published.stable, |(field, shell)| fixed(shell / field, 1)),
+        maybe(published.stable.as_ref(), |s| fixed(s.shell_seconds / s.field_seconds, 1)),
     ]);
     let looks = [
         Look::mesh("Base surface", &solution.built, &solution.pose),
@@ -261,22 +323,50 @@ fn one_shell(
     study.picture(&name, &caption, &solution.built, &looks)
 }
 
-/// A published mesh, its clamps, and figures: energy (J), largest amplitude (mm), waves; seconds of
-/// the published code.
-type PublishedData = (&'static str, Option<&'static str>, [&'static str; 3], f64);
+/// A published mesh and the figures that the published code finds on it.
+struct PublishedMesh {
+    folder: &'static str,
+    clamp_file: Option<&'static str>,
+    energy_joule: &'static str,
+    amplitude_mm: &'static str,
+    waves: &'static str,
+    seconds: f64,
+}
 
-const DATA: [PublishedData; 3] = [
-    ("tfw-disk", None, ["1.973936e-2", "1.0544", "85"], 1.13),
-    ("tfw-disk", Some("clamped.dat"), ["–"; 3], 4.37),
-    ("cylinder-688", Some("clamp.dat"), ["8.035660e-1", "14.623", "47"], 73.7),
+/// Published meshes; a dash where nothing was published.
+const MESHES: [PublishedMesh; 3] = [
+    PublishedMesh {
+        folder: "tfw-disk",
+        clamp_file: None,
+        energy_joule: "1.973936e-2",
+        amplitude_mm: "1.0544",
+        waves: "85",
+        seconds: 1.13,
+    },
+    PublishedMesh {
+        folder: "tfw-disk",
+        clamp_file: Some("clamped.dat"),
+        energy_joule: "–",
+        amplitude_mm: "–",
+        waves: "–",
+        seconds: 4.37,
+    },
+    PublishedMesh {
+        folder: "cylinder-688",
+        clamp_file: Some("clamp.dat"),
+        energy_joule: "8.035660e-1",
+        amplitude_mm: "14.623",
+        waves: "47",
+        seconds: 73.7,
+    },
 ];
 
 fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
     study.document.table(
         "On published data",
         "The same rest shape, pose and material as the published code, whose wrinkle-free faces \
-         are found as it does; nothing but the field is solved. \
-         Published figures: what that code finds, and its seconds, on a 2-core machine.",
+         are found as it does; nothing but the field is solved. Published figures: what that code \
+         finds, and its seconds, on a 2-core machine.",
         &[
             "mesh",
             "energy (J)",
@@ -294,7 +384,8 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
         ],
     );
     let material = Material::new(1e7, 0.44, 1e-4)?;
-    for (name, clamp, [energy, amplitude, waves], seconds) in DATA {
+    for mesh in MESHES {
+        let (name, clamp) = (mesh.folder, mesh.clamp_file);
         let folder = data.join(name);
         let rest_shape = obj::read(&folder.join("rest.obj"))?;
         let pose = obj::read_pose(&folder.join("pose.obj"), &rest_shape)?;
@@ -319,7 +410,7 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
                 study.bars,
             )?);
             study.bars.finish();
-            study.go_on()?;
+            study.check_interrupted()?;
         }
         let ours = median(runs.iter().map(|run| run.report.field_seconds).collect());
         let (report, found) = (&runs[0].report, &runs[0].field);
@@ -329,17 +420,17 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
         study.document.row([
             text(format!("{name}{}", if clamp.is_some() { ", rim held" } else { "" })),
             scientific(report.energy_joule),
-            text(energy),
+            text(mesh.energy_joule),
             fixed(peak_mm(found), 4),
-            text(amplitude),
+            text(mesh.amplitude_mm),
             difference.map_or_else(none, |percent| fixed(percent, 3)),
             maybe(around, |p| fixed(p.before_rounding, 2)),
             maybe(around, |p| count(p.turns)),
-            text(waves),
+            text(mesh.waves),
             count(report.iterations),
             fixed(ours, 4),
-            fixed(seconds, 2),
-            fixed(seconds / ours, 0),
+            fixed(mesh.seconds, 2),
+            fixed(mesh.seconds / ours, 0),
         ]);
     }
     Ok(())

@@ -1,5 +1,5 @@
-//! What the tests of the `plisse` command share: a folder of their own, and what every good and
-//! every refused run must look like.
+//! Shared helpers of the tests of the `plisse` command: temporary folders, and the checks that
+//! every successful and every refused run must pass.
 
 // Each test file takes what it needs.
 #![allow(dead_code)]
