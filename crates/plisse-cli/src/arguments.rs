@@ -433,7 +433,9 @@ pub(crate) enum StudyName {
     Ablation,
     /// A scaling law instead of the solve (figures 8 and 10)
     ScalingLaw,
-    /// All of them, and validation.md
+    /// Folds of a square that grows: number, coherence, both modes (docs/growth.md)
+    Growth,
+    /// All of them but growth, and validation.md
     All,
 }
 

@@ -242,12 +242,7 @@ pub(crate) fn shell_ending(report: &ReferenceReport) -> &'static str {
 
 /// A few words for the end of a minimisation.
 pub(crate) fn ending_name(ending: Ending) -> &'static str {
-    match ending {
-        Ending::Converged => "converged",
-        Ending::RoundOff => "converged to rounding",
-        Ending::IterationLimit => "iteration limit reached",
-        Ending::Cancelled => "interrupted",
-    }
+    ending.name()
 }
 
 impl From<&BaseReport> for BaseSummary {

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use plisse::growth::{AdaptOptions, grow_adapting};
+use plisse::growth::{AdaptOptions, GrownSurface, LoadSteps, follow_adapting};
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::progress::Silent;
 use plisse::remesh::MidpointPlacement;
@@ -24,23 +24,17 @@ fn main() {
 fn scrunchy_with_rigid_bands(bencher: divan::Bencher) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/27-banded-scrunchy.toml");
     let grown = scene::build_growth(&scene::read(&file).unwrap()).unwrap();
-    let growing = grown.growing();
-    let mut adapt = AdaptOptions::new(growing.maps.wavelength_m[0] / EDGES[0]);
+    let (surface, parts) = (grown.surface(), grown.parts(None));
+    let mut adapt = AdaptOptions::new(surface.maps.vertices[0].wavelength_m / EDGES[0]);
     (adapt.edges_per_wave, adapt.finish_edges_per_wave, adapt.midpoints) =
         (EDGES[0], EDGES[1], MidpointPlacement::Start);
     adapt.finish_iterations = FINISH;
     bencher.bench_local(|| {
-        let (surface, report) = grow_adapting(
-            &growing,
-            grown.chart(),
-            &grown.parts(None),
-            &grown.options,
-            &adapt,
-            &Silent,
-            &mut |_, _| Ok(()),
-        )
-        .unwrap();
-        let crossing = crossing_pairs(&surface.topology.faces, &surface.pose).len();
+        let start = GrownSurface::new(surface.clone(), grown.chart());
+        let steps = LoadSteps { parts: &parts, options: &grown.options };
+        let (folded, report) =
+            follow_adapting(start, &steps, &adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+        let crossing = crossing_pairs(&folded.surface.topology.faces, &folded.pose).len();
         eprintln!("\n{:.1} s, {crossing} pairs of faces that cross", report.growth.seconds);
         for mesh in &report.meshes {
             eprintln!(
@@ -54,6 +48,6 @@ fn scrunchy_with_rigid_bands(bencher: divan::Bencher) {
                 mesh.solve_seconds
             );
         }
-        surface
+        folded
     });
 }

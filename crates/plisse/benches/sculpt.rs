@@ -8,7 +8,7 @@
 mod sheets;
 
 use plisse::growth::sculpt::{Dab, Paint, SculptOptions, Sculpture, SurfacePoint};
-use plisse::growth::{Expansion, Growing, GrowthOptions};
+use plisse::growth::{Expansion, GrowingSurface, GrowthMaps, GrowthOptions};
 use plisse::mesh::Vec3;
 
 /// Edges to a wavelength.
@@ -24,16 +24,11 @@ fn begun(vertices: usize, brush: SculptOptions) -> (Sculpture, Dab) {
     let sheet = sheets::Sheet::lattice(1.0, 1.0, cells, cells);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
     let wavelength_m = EDGES / cells as f64;
-    let growing = Growing::new(
-        &sheet.topology,
-        &sheet.rest,
-        &sheet.pose,
-        expansion,
-        wavelength_m,
-        wavelength_m,
-    );
+    let maps = GrowthMaps::even(&expansion, wavelength_m, wavelength_m);
+    let surface =
+        GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps);
     let mut sculpture =
-        Sculpture::new(&growing, sheet.pose.clone(), GrowthOptions::default(), brush).unwrap();
+        Sculpture::new(surface, sheet.pose.clone(), GrowthOptions::default(), brush).unwrap();
     let touch = |k: usize| {
         let place = Vec3::new(0.5 + 0.3 * wavelength_m * (k as f64 - 5.0), 0.5, 0.0);
         let distance = |v: usize| (sheet.pose[v] - place).norm();
@@ -60,12 +55,14 @@ fn dab(bencher: divan::Bencher, vertices: usize) {
     for _ in 0..20 {
         let (change, report) = sculpture.dab(&dab).unwrap();
         sculpture.restore(change);
-        if best.as_ref().is_none_or(|best| report.seconds[3] < best.seconds[3]) {
+        if best.as_ref().is_none_or(|best| report.seconds.total < best.seconds.total) {
             best = Some(report);
         }
     }
     let best = best.unwrap();
-    let [search, cut, solve, all] = best.seconds.map(|s| 1e3 * s);
+    let seconds = best.seconds;
+    let [search, cut, solve, all] =
+        [seconds.search, seconds.cut, seconds.solve, seconds.total].map(|s| 1e3 * s);
     eprintln!(
         "\ndab: {} vertices in all, {} touched, {} active, {} solved, {} iterations; ms: search \
          {search:.2}, cut {cut:.2}, solve {solve:.2}, all {all:.2}",

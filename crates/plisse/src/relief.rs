@@ -1,5 +1,5 @@
-//! What came out of growth: how many folds there are, which way their crests run, how far they run
-//! straight, and how much of the asked length was reached.
+//! Relief of a folded surface: number of folds, direction and coherence of their crests, and the
+//! share of the asked length that was realised.
 //!
 //! Offsets w (m) from the starting surface are read on a regular grid over a *chart* of it: two
 //! lengths (m) for each vertex, the first along the direction of growth, the second along the
@@ -14,8 +14,8 @@ use crate::rest::RestMetric;
 use crate::strain::principal_pair;
 use crate::{At, Error, Result};
 
-/// Wave numbers are looked at in steps of this part of one wave per window.
-const FINENESS: f64 = 0.1;
+/// Step of wave numbers in the spectrum, in waves per window.
+const WAVE_STEP: f64 = 0.1;
 
 /// `[V]` offset (m) of `pose` from the surface `start` along its normals.
 ///
@@ -26,7 +26,7 @@ pub fn offsets_m(topology: &Topology, start: &[Vec3], pose: &[Vec3]) -> Result<V
     Ok(normals.iter().zip(start.iter().zip(pose)).map(|(n, (p, q))| n.dot(&(q - p))).collect())
 }
 
-/// A rectangle of the chart (m) that is looked at.
+/// A rectangle of the chart (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     /// Its lower corner.
@@ -44,10 +44,10 @@ pub struct Relief {
     pub spacing_m: [f64; 2],
     /// Offset (m) at each point, row by row: those along the growth are neighbours.
     pub offset_m: Vec<f64>,
-    /// Whether rows return to where they begin, one point after the last.
+    /// True if rows are periodic: they return to where they begin, one point after the last.
     pub around: bool,
-    /// Whether folds are what is steep, not what is high: for closed surfaces, which also shift and
-    /// bend as a whole.
+    /// True if folds are counted by slopes, not by heights: for closed surfaces, which also shift
+    /// and bend as a whole.
     pub steep: bool,
 }
 
@@ -161,7 +161,7 @@ impl Relief {
     /// normalised). Around something there are whole waves only, and no rim to be softened.
     pub fn spectrum(&self) -> (Vec<f64>, Vec<f64>) {
         let [m, n] = self.size;
-        let (steps, fineness) = if self.around { (m, 1.0) } else { (m - 1, FINENESS) };
+        let (steps, fineness) = if self.around { (m, 1.0) } else { (m - 1, WAVE_STEP) };
         let length = self.spacing_m[0] * steps as f64;
         let count = (0.5 * steps as f64 / fineness) as usize;
         let waves: Vec<f64> = (1..=count).map(|k| k as f64 * fineness / length).collect();
@@ -306,7 +306,7 @@ pub struct Folds {
     pub width: f64,
 }
 
-/// What was reached of the asked length and area.
+/// Realised shares of the asked length and area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RealisedGrowth {
     /// Mean of length over asked length along the growth.

@@ -4,7 +4,8 @@
 mod sheets;
 
 use plisse::growth::{
-    AdaptOptions, Expansion, Growing, GrowthOptions, Surface, grow, grow_adapting,
+    AdaptOptions, Expansion, GrowingSurface, GrownSurface, GrowthMaps, GrowthOptions, LoadSteps,
+    follow_adapting, grow,
 };
 use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
@@ -19,20 +20,24 @@ fn growth(y: f64) -> f64 {
     1.0 + 0.3 * ((0.375 - y) / 0.125).clamp(0.0, 1.0)
 }
 
-fn growing(sheet: &Sheet) -> Growing<'_> {
+/// A growing surface that starts as `sheet`.
+fn growing_surface(
+    sheet: &Sheet,
+    expansion: &Expansion,
+    wavelength_m: f64,
+    coherence_m: f64,
+) -> GrowingSurface {
+    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
+    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
+}
+
+fn growing(sheet: &Sheet) -> GrowingSurface {
     let n = sheet.pose.len();
     let factors: Vec<f64> = sheet.pose.iter().map(|p| growth(p.y)).collect();
     let expansion =
         Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &factors)
             .unwrap();
-    let mut growing = Growing::new(
-        &sheet.topology,
-        &sheet.rest,
-        &sheet.pose,
-        expansion,
-        WAVELENGTH_M,
-        4.0 * WAVELENGTH_M,
-    );
+    let mut growing = growing_surface(sheet, &expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     growing
@@ -60,11 +65,13 @@ fn folds(topology: &Topology, start: &[Vec3], pose: &[Vec3], asked: &RestMetric)
     (1.0 / relief.folds().unwrap().wavelength_m, got.length)
 }
 
-fn adapted<'a>(growing: &Growing<'a>, adapt: &AdaptOptions) -> (Surface<'a>, RestMetric) {
+fn adapted(growing: &GrowingSurface, adapt: &AdaptOptions) -> (GrownSurface, RestMetric) {
     let options = GrowthOptions::default();
     let parts = options.parts(growing.maps.most_growth());
+    let steps = LoadSteps { parts: &parts, options: &options };
+    let start = GrownSurface::new(growing.clone(), None);
     let (surface, report) =
-        grow_adapting(growing, None, &parts, &options, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+        follow_adapting(start, &steps, adapt, &Silent, &mut |_, _| Ok(())).unwrap();
     let last = report.meshes.last().unwrap();
     assert!(
         last.vertices == surface.pose.len() && last.residual <= options.tolerance,
@@ -81,10 +88,11 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
         &growing(&coarse),
         &AdaptOptions { finish_iterations: 300, ..AdaptOptions::new(0.125) },
     );
+    let mesh = &surface.surface;
     let fine = Sheet::lattice(1.0, 0.5, 70, 36);
     let (pose, report) = grow(&growing(&fine), &GrowthOptions::default(), &Silent).unwrap();
     let (expected, _) = folds(&fine.topology, &fine.pose, &pose, &report.asked);
-    let (found, length) = folds(&surface.topology, &surface.start, &surface.pose, &asked);
+    let (found, length) = folds(&mesh.topology, &mesh.start, &surface.pose, &asked);
     assert!(
         (found / expected - 1.0).abs() < 0.1,
         "{found} folds per metre, {expected} on the fine mesh"
@@ -94,8 +102,8 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
     // Fine below, coarse above; no face turned over, none without area; the manifold was checked
     // when the topology was made.
     let (mut below, mut above) = (0.0_f64, f64::INFINITY);
-    for &[i, j] in &surface.topology.edges {
-        let (p, q) = (surface.start[i], surface.start[j]);
+    for &[i, j] in &mesh.topology.edges {
+        let (p, q) = (mesh.start[i], mesh.start[j]);
         let length = (q - p).norm();
         if p.y.max(q.y) < 0.3 {
             below = below.max(length);
@@ -104,20 +112,20 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
         }
     }
     assert!(below < WAVELENGTH_M / 5.0 && above > WAVELENGTH_M / 4.0, "{below} {above}");
-    for face in &surface.topology.faces {
+    for face in &mesh.topology.faces {
         let normal = |places: &[Vec3]| {
             let [a, b, c] = face.map(|v| places[v]);
             (b - a).cross(&(c - a))
         };
-        assert!(normal(&surface.start).z > 0.0 && normal(&surface.pose).norm() > 1e-8);
+        assert!(normal(&mesh.start).z > 0.0 && normal(&surface.pose).norm() > 1e-8);
     }
-    let euler = surface.pose.len() as isize + surface.topology.face_count() as isize
-        - surface.topology.edge_count() as isize;
+    let euler = surface.pose.len() as isize + mesh.topology.face_count() as isize
+        - mesh.topology.edge_count() as isize;
     assert_eq!(euler, 1);
     // What it carries went with it: the form is what the map says, the boundary stays to the bit.
-    let boundary = surface.topology.boundary_vertices();
-    for (v, p) in surface.start.iter().enumerate() {
-        let ([most, least], [along, _]) = surface.maps.expansion.vertices[v].principal();
+    let boundary = mesh.topology.boundary_vertices();
+    for (v, p) in mesh.start.iter().enumerate() {
+        let ([most, least], [along, _]) = mesh.maps.vertices[v].growth.principal();
         if p.y <= 0.25 {
             assert!(
                 (most - 1.3).abs() < 1e-9
@@ -126,27 +134,27 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
                 "{v}"
             );
         }
-        assert_eq!(boundary[v], surface.maps.frozen[v] == [true; 3]);
+        assert_eq!(boundary[v], mesh.maps.vertices[v].frozen == [true; 3]);
         assert!(!boundary[v] || surface.pose[v] == *p);
         assert!(
-            (surface.places[v] - p).norm() < 1e-12
-                && (surface.maps.wavelength_m[v] - WAVELENGTH_M).abs() < 1e-15
+            (mesh.places[v] - p).norm() < 1e-12
+                && (mesh.maps.vertices[v].wavelength_m - WAVELENGTH_M).abs() < 1e-15
         );
     }
-    assert!((surface.rest.area_m2() - 0.5).abs() < 1e-9);
+    assert!((mesh.rest.area_m2() - 0.5).abs() < 1e-9);
 }
 
 #[test]
 fn growing_by_one_changes_nothing() {
     let sheet = Sheet::rectangle(1.0, 1.0, 0.2, 3);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
-    let growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, 0.01, 0.0);
+    let growing = growing_surface(&sheet, &expansion, 0.01, 0.0);
     let (surface, asked) = adapted(&growing, &AdaptOptions::new(0.05));
     assert_eq!(
-        (&surface.topology, &surface.rest, &asked),
+        (&surface.surface.topology, &surface.surface.rest, &asked),
         (&sheet.topology, &sheet.rest, &sheet.rest)
     );
-    assert_eq!((surface.pose, surface.start), (sheet.pose.clone(), sheet.pose.clone()));
+    assert_eq!((surface.pose, surface.surface.start), (sheet.pose.clone(), sheet.pose.clone()));
 }
 
 #[test]
@@ -159,17 +167,11 @@ fn any_number_of_threads_gives_the_same_bytes() {
             let options = GrowthOptions::default();
             let parts = [0.05, 0.1, 0.2];
             let adapt = AdaptOptions::new(0.125);
-            let (surface, _) = grow_adapting(
-                &growing,
-                None,
-                &parts,
-                &options,
-                &adapt,
-                &Silent,
-                &mut |_, _| Ok(()),
-            )
-            .unwrap();
-            (surface.topology, surface.pose)
+            let start = GrownSurface::new(growing, None);
+            let steps = LoadSteps { parts: &parts, options: &options };
+            let (surface, _) =
+                follow_adapting(start, &steps, &adapt, &Silent, &mut |_, _| Ok(())).unwrap();
+            (surface.surface.topology, surface.pose)
         })
     };
     assert_eq!(with(1), with(4));
@@ -199,7 +201,7 @@ fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
         };
         let options = RemeshOptions { growth_channel: None, midpoints, ..RemeshOptions::new(1.0) };
         let all = vec![true; carried.faces.len()];
-        let fine = remesh(carried, &all, &options).unwrap().sheet;
+        let fine = remesh(carried, &all, &options).unwrap().mesh;
         assert!(fine.positions.len() > 2 * n);
         let inner = |p: &Vec3| {
             (0.05..0.95).contains(&p.x) && (0.05..0.25).contains(&p.y)

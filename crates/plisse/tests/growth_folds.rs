@@ -2,13 +2,14 @@
 //! asked.
 //!
 //! The clamped square has all four sides frozen; what is measured lies half a wavelength and more
-//! inside. More folds, more growth and finer meshes take minutes: `cargo run --release -p plisse
-//! --example growth_study -- counts` prints them.
+//! inside. More folds, more growth and finer meshes take minutes: `plisse study growth` shows them.
 
 mod sheets;
 
-use plisse::growth::load_stepping::grow_through;
-use plisse::growth::{Expansion, Growing, GrowthOptions, GrowthReport, ProceduralMap, grow};
+use plisse::growth::{
+    Expansion, GrowingSurface, GrowthMaps, GrowthOptions, GrowthReport, LoadSteps, ProceduralMap,
+    follow, grow,
+};
 use plisse::linalg::Ending;
 use plisse::mesh::crossing::crossing_pairs;
 use plisse::mesh::{Vec2, Vec3};
@@ -20,6 +21,17 @@ use plisse::shell::Loads;
 use sheets::Sheet;
 
 const CREST: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+/// A growing surface that starts as `sheet`.
+fn growing_surface(
+    sheet: &Sheet,
+    expansion: &Expansion,
+    wavelength_m: f64,
+    coherence_m: f64,
+) -> GrowingSurface {
+    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
+    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
+}
 
 /// A square of side 1 m, grown along x.
 struct Square {
@@ -49,7 +61,7 @@ impl Square {
         Self { sheet, growth, wavelength_m: 1.0 / folds, coherence }
     }
 
-    fn growing(&self) -> Growing<'_> {
+    fn growing(&self) -> GrowingSurface {
         let (sheet, n) = (&self.sheet, self.sheet.pose.len());
         let expansion = Expansion::from_directions(
             &sheet.topology,
@@ -59,14 +71,7 @@ impl Square {
         )
         .unwrap();
         let coherence_m = self.coherence * self.wavelength_m;
-        let mut growing = Growing::new(
-            &sheet.topology,
-            &sheet.rest,
-            &sheet.pose,
-            expansion,
-            self.wavelength_m,
-            coherence_m,
-        );
+        let mut growing = growing_surface(sheet, &expansion, self.wavelength_m, coherence_m);
         let boundary = sheet.topology.boundary_vertices();
         growing.freeze(|v, _| boundary[v]);
         growing
@@ -188,8 +193,8 @@ fn growing_by_one_changes_nothing_to_the_bit() {
     let rest =
         plisse::rest::RestMetric::from_shape(&square.sheet.pose, &square.sheet.topology.faces)
             .unwrap();
-    growing.rest = &rest;
-    growing.maps.bias = vec![0.1; growing.maps.bias.len()];
+    growing.rest = rest.clone();
+    growing.maps.vertices.iter_mut().for_each(|at| at.bias = 0.1);
     let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     assert_eq!(pose, square.sheet.pose);
     assert_eq!(report.asked, rest);
@@ -204,9 +209,9 @@ fn growing_and_shrinking_back_flattens() {
         pose.iter().zip(&square.sheet.pose).map(|(p, q)| (p - q).norm()).fold(0.0, f64::max)
     };
     assert!(high(&folded) > 0.1 * square.wavelength_m);
-    let (flat, _) =
-        grow_through(&growing, &[0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0], &folded, &options, &Silent)
-            .unwrap();
+    let parts = [0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0];
+    let steps = LoadSteps { parts: &parts, options: &options };
+    let (flat, _) = follow(&growing, &folded, &steps, &Silent).unwrap();
     assert!(high(&flat) < 1e-3 * square.wavelength_m, "{:e}", high(&flat));
 }
 
@@ -238,14 +243,7 @@ fn rigid_motion_and_renumbering_do_not_matter() {
         &vec![square.growth; n],
     )
     .unwrap();
-    let mut growing = Growing::new(
-        &moved.topology,
-        &moved.rest,
-        &moved.pose,
-        expansion,
-        square.wavelength_m,
-        square.wavelength_m,
-    );
+    let mut growing = growing_surface(&moved, &expansion, square.wavelength_m, square.wavelength_m);
     growing.places = places;
     let boundary = moved.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
@@ -264,27 +262,30 @@ fn slanted_turn() -> impl Fn(Vec3) -> Vec3 {
 #[test]
 fn what_cannot_be_folded_is_named() {
     let square = Square::new(lattice(10, 10), 1.5, 5.0, 1.0);
-    let told = |change: &dyn Fn(&mut Growing<'_>)| {
+    let told = |change: &dyn Fn(&mut GrowingSurface)| {
         let mut growing = square.growing();
         change(&mut growing);
         grow(&growing, &GrowthOptions::default(), &Silent).unwrap_err().to_string()
     };
     assert!(told(&|_| ()).contains("refine the mesh or ask for wider folds"));
-    assert!(told(&|g| g.maps.frozen.fill([true; 3])).contains("every vertex is frozen"));
     assert!(
-        told(&|g| g.maps.wavelength_m[7] = 0.0)
+        told(&|g| g.maps.vertices.iter_mut().for_each(|at| at.frozen = [true; 3]))
+            .contains("every vertex is frozen")
+    );
+    assert!(
+        told(&|g| g.maps.vertices[7].wavelength_m = 0.0)
             .contains("growth.wavelength_m: it is 0 at vertex 7")
     );
-    assert!(told(&|g| g.maps.coherence_m[7] = f64::NAN).contains("growth.coherence_m"));
-    assert!(told(&|g| g.maps.stickiness[2] = -1.0).contains("vertex 2"));
-    assert!(told(&|g| g.maps.bias.truncate(3)).contains("give one for each"));
+    assert!(told(&|g| g.maps.vertices[7].coherence_m = f64::NAN).contains("growth.coherence_m"));
+    assert!(told(&|g| g.maps.vertices[2].stickiness = -1.0).contains("vertex 2"));
+    assert!(told(&|g| g.maps.vertices.truncate(3)).contains("give one for each"));
 }
 
 #[test]
 fn what_sticks_folds_out_only() {
     let square = Square::new(lattice(21, 10), 1.2, 3.0, 2.0);
     let mut growing = square.growing();
-    growing.maps.stickiness.fill(100.0);
+    growing.maps.vertices.iter_mut().for_each(|at| at.stickiness = 100.0);
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let (low, high) = pose.iter().fold((0.0_f64, 0.0_f64), |(l, h), p| (l.min(p.z), h.max(p.z)));
     assert!(high > 0.1 * square.wavelength_m && -low < 0.1 * high, "{low} {high}");
@@ -313,7 +314,7 @@ fn the_seed_chooses_the_folds_and_the_bias_their_side() {
     assert_ne!(of(1), of(2));
     let middle = |bias: f64| {
         let mut growing = square.growing();
-        growing.maps.bias.fill(bias);
+        growing.maps.vertices.iter_mut().for_each(|at| at.bias = bias);
         let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
         pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64
     };
@@ -329,13 +330,13 @@ fn obstacles_and_frozen_axes_are_kept_and_weight_pulls() {
     let ceiling =
         [Obstacle::plane("ceiling", Vec3::new(0.0, 0.0, 0.5 * top(&free)), -Vec3::z()).unwrap()];
     let mut growing = square.growing();
-    growing.obstacles = &ceiling;
+    growing.obstacles = ceiling.into();
     growing.contact_thickness_m = 0.2 * top(&free);
     let level: Vec<usize> =
         (0..free.len()).filter(|&v| (square.sheet.pose[v].x - 0.5).abs() < 0.03).collect();
     assert!(level.iter().any(|&v| free[v].z.abs() > 1e-3));
     for &v in &level {
-        growing.maps.frozen[v][2] = true;
+        growing.maps.vertices[v].frozen[2] = true;
     }
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     assert!(
@@ -390,7 +391,7 @@ fn folds_stay_where_a_narrow_band_grows() {
     )
     .unwrap();
     let mut growing = square.growing();
-    growing.maps.expansion = expansion;
+    growing.maps.set_expansion(&expansion);
     let (pose, _) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
     let off = |v: usize| (square.sheet.pose[v].x - 0.5).abs();
     let high = |chosen: &dyn Fn(f64) -> bool| {
@@ -406,7 +407,7 @@ fn folds_cross_only_where_they_may() {
     let sheet = lattice(32, 10);
     let square = Square::new(sheet, 3.0, 4.0, 2.0);
     let crossing = |self_contact: bool| {
-        let growing = Growing { self_contact, ..square.growing() };
+        let growing = GrowingSurface { self_contact, ..square.growing() };
         let (pose, report) = grow(&growing, &GrowthOptions::default(), &Silent).unwrap();
         let last = report.steps.last().unwrap();
         assert!(last.residual < 0.1, "{last:?}");
@@ -425,7 +426,7 @@ fn what_nothing_holds_finds_one_dome() {
         ProceduralMap::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
     let factors = spots.map(&sheet.pose, 1.0, 1.2);
     let expansion = Expansion::from_factors(&sheet.topology, &sheet.pose, &factors).unwrap();
-    let mut growing = Growing::new(&sheet.topology, &sheet.rest, &sheet.pose, expansion, 0.3, 0.0);
+    let mut growing = growing_surface(&sheet, &expansion, 0.3, 0.0);
     growing.freeze(|_, p| p.norm() < 1e-9);
     let options = GrowthOptions { iteration_limit: 400, ..GrowthOptions::default() };
     let height = |pose: &[Vec3]| {
@@ -435,7 +436,7 @@ fn what_nothing_holds_finds_one_dome() {
         high - low
     };
     let (held, _) = grow(&growing, &options, &Silent).unwrap();
-    growing.maps.hold.fill(0.0);
+    growing.maps.vertices.iter_mut().for_each(|at| at.hold = 0.0);
     let (free, report) = grow(&growing, &options, &Silent).unwrap();
     let last = report.steps.last().unwrap();
     assert!(last.ending == Ending::Converged && last.residual <= options.tolerance, "{last:?}");

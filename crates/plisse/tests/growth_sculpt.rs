@@ -3,15 +3,27 @@
 
 mod sheets;
 
-use plisse::growth::load_stepping::grow_through;
-use plisse::growth::sculpt::{Change, Dab, Paint, Painted, SculptOptions, Sculpture, SurfacePoint};
-use plisse::growth::{Expansion, Growing, GrowthOptions};
+use plisse::growth::sculpt::{Change, Dab, Paint, SculptOptions, Sculpture, SurfacePoint};
+use plisse::growth::{
+    Expansion, GrowingSurface, GrowthAt, GrowthMaps, GrowthOptions, LoadSteps, follow,
+};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::progress::Silent;
 use sheets::Sheet;
 
 const WAVELENGTH_M: f64 = 0.1;
+
+/// A growing surface that starts as `sheet`.
+fn growing_surface(
+    sheet: &Sheet,
+    expansion: &Expansion,
+    wavelength_m: f64,
+    coherence_m: f64,
+) -> GrowingSurface {
+    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
+    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
+}
 
 /// A sheet of 1 m × 0.6 m that has grown by `growth` along x, all sides frozen, at rest to
 /// `tolerance`.
@@ -25,31 +37,18 @@ fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
         &vec![growth; n],
     )
     .unwrap();
-    let mut growing = Growing::new(
-        &sheet.topology,
-        &sheet.rest,
-        &sheet.pose,
-        expansion,
-        WAVELENGTH_M,
-        4.0 * WAVELENGTH_M,
-    );
+    let mut growing = growing_surface(&sheet, &expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     let options = GrowthOptions { tolerance, ..GrowthOptions::default() };
     let pose = if growth == 1.0 {
         sheet.pose.clone()
     } else {
-        grow_through(
-            &growing,
-            &options.parts(growing.maps.most_growth()),
-            &sheet.pose,
-            &options,
-            &Silent,
-        )
-        .unwrap()
-        .0
+        let parts = options.parts(growing.maps.most_growth());
+        let steps = LoadSteps { parts: &parts, options: &options };
+        follow(&growing, &sheet.pose, &steps, &Silent).unwrap().0
     };
-    let sculpture = Sculpture::new(&growing, pose, options, SculptOptions::default()).unwrap();
+    let sculpture = Sculpture::new(growing, pose, options, SculptOptions::default()).unwrap();
     (sheet, sculpture)
 }
 
@@ -88,30 +87,30 @@ fn what_lies_outside_keeps_its_bits_and_all_comes_back() {
         assert!(
             !outside
                 || sculpture.pose()[v] == before.pose()[v]
-                    && sculpture.painted()[v] == before.painted()[v],
+                    && sculpture.values()[v] == before.values()[v],
             "{v}"
         );
         assert_eq!(sculpture.pose()[v] != before.pose()[v], moved.binary_search(&v).is_ok());
     }
     let offset = sculpture.pose().iter().map(|p| p.z.abs()).fold(0.0, f64::max);
     assert!(offset > 0.02 * WAVELENGTH_M, "{offset}");
-    let painted = (sculpture.pose().to_vec(), sculpture.painted().to_vec());
-    let (settled, report) = sculpture.settle(&Silent).unwrap();
+    let painted = (sculpture.pose().to_vec(), sculpture.values().to_vec());
+    let (settled, report) = sculpture.equilibrate(&Silent).unwrap();
     assert_eq!(report.step.unwrap().ending, Ending::Converged);
-    assert!(sculpture.is_settled());
+    assert!(sculpture.is_at_rest());
     // Undone step by step, done again, undone as one.
     let rested = sculpture.pose().to_vec();
     let again = sculpture.restore(settled.clone());
     assert!(
-        (sculpture.pose(), sculpture.painted()) == (&painted.0, &painted.1)
-            && !sculpture.is_settled()
+        (sculpture.pose(), sculpture.values()) == (&painted.0, &painted.1)
+            && !sculpture.is_at_rest()
     );
     sculpture.restore(again);
-    assert!(sculpture.pose() == rested && sculpture.is_settled());
+    assert!(sculpture.pose() == rested && sculpture.is_at_rest());
     sculpture.restore(change.then(settled));
     assert!(
-        (sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted())
-            && sculpture.is_settled()
+        (sculpture.pose(), sculpture.values()) == (before.pose(), before.values())
+            && sculpture.is_at_rest()
     );
 }
 
@@ -128,32 +127,32 @@ fn values_painted_from_elsewhere_are_followed_and_come_back() {
     )
     .unwrap();
     let under = |v: &usize| (sheet.pose[*v] - Vec3::new(0.5, 0.3, 0.0)).norm() < WAVELENGTH_M;
-    let values: Vec<(usize, Painted)> = (0..n)
+    let values: Vec<(usize, GrowthAt)> = (0..n)
         .filter(under)
-        .map(|v| (v, Painted { growth: grown.vertices[v], ..sculpture.painted()[v] }))
+        .map(|v| (v, GrowthAt { growth: grown.vertices[v], ..sculpture.values()[v] }))
         .collect();
     let (change, report) = sculpture.paint(&values).unwrap();
     assert!(report.touched == values.len() && report.active > values.len() && report.solved < n);
-    assert!(values.iter().all(|&(v, to)| sculpture.painted()[v] == to));
+    assert!(values.iter().all(|&(v, to)| sculpture.values()[v] == to));
     let reach = WAVELENGTH_M * 2.25 + 1e-9;
     for v in change.moved() {
         assert!((sheet.pose[v] - Vec3::new(0.5, 0.3, 0.0)).norm() < reach + 0.02, "{v}");
     }
-    assert!(change.moved().count() > 100 && !sculpture.is_settled());
+    assert!(change.moved().count() > 100 && !sculpture.is_at_rest());
     sculpture.restore(change);
     assert!(
-        (sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted())
-            && sculpture.is_settled()
+        (sculpture.pose(), sculpture.values()) == (before.pose(), before.values())
+            && sculpture.is_at_rest()
     );
     // Nothing asked for, nothing done; what cannot be changes nothing.
     assert!(sculpture.paint(&[]).unwrap().0.is_empty());
     for wrong in [
         vec![values[1], values[0]],
         vec![(n, values[0].1)],
-        vec![(0, Painted { wavelength_m: -1.0, ..values[0].1 })],
+        vec![(0, GrowthAt { wavelength_m: -1.0, ..values[0].1 })],
     ] {
         assert!(sculpture.paint(&wrong).unwrap_err().to_string().contains("; "));
-        assert!((sculpture.pose(), sculpture.painted()) == (before.pose(), before.painted()));
+        assert!((sculpture.pose(), sculpture.values()) == (before.pose(), before.values()));
     }
 }
 
@@ -164,7 +163,7 @@ fn any_number_of_threads_gives_the_same_bytes() {
         pool.install(|| {
             let (_, mut sculpture) = grown(1.0, 1e-3);
             stroke(&mut sculpture, 1.05);
-            sculpture.settle(&Silent).unwrap();
+            sculpture.equilibrate(&Silent).unwrap();
             sculpture.pose().to_vec()
         })
     };
@@ -192,10 +191,11 @@ fn a_stroke_that_settled_is_what_the_whole_would_have_grown_to() {
     let (_, mut sculpture) = grown(1.3, 1e-4);
     let before = sculpture.pose().to_vec();
     stroke(&mut sculpture, 1.02);
-    sculpture.settle(&Silent).unwrap();
+    sculpture.equilibrate(&Silent).unwrap();
     let whole = |pose: &[Vec3]| {
         let options = GrowthOptions { tolerance: 1e-4, ..GrowthOptions::default() };
-        grow_through(&sculpture.growing(), &[1.0], pose, &options, &Silent).unwrap().0
+        let steps = LoadSteps { parts: &[1.0], options: &options };
+        follow(sculpture.surface(), pose, &steps, &Silent).unwrap().0
     };
     let expected = whole(&before);
     let most =
@@ -216,7 +216,7 @@ fn a_stroke_that_is_followed_nearby_only_lags_a_little_more_and_settles_alike() 
     let followed = |near: f64| {
         let brush = SculptOptions { near, ..SculptOptions::default() };
         let mut followed = Sculpture::new(
-            &sculpture.growing(),
+            sculpture.surface().clone(),
             sheet.pose.clone(),
             GrowthOptions::default(),
             brush,
@@ -224,7 +224,7 @@ fn a_stroke_that_is_followed_nearby_only_lags_a_little_more_and_settles_alike() 
         .unwrap();
         stroke(&mut followed, 1.06);
         let lags = followed.pose().to_vec();
-        followed.settle(&Silent).unwrap();
+        followed.equilibrate(&Silent).unwrap();
         (lags, followed.pose().to_vec())
     };
     let options = SculptOptions::default();
@@ -249,7 +249,7 @@ fn everything_that_can_be_painted_is_followed() {
         assert!(change.moved().count() > 20, "{paint:?}");
     }
     let v = sculpture.topology().faces[spot.face][0];
-    let painted = sculpture.painted()[v];
+    let painted = sculpture.values()[v];
     assert!(
         (painted.wavelength_m - 0.12).abs() < 1e-12
             && (painted.stickiness - 5.0).abs() < 1e-12
@@ -259,12 +259,12 @@ fn everything_that_can_be_painted_is_followed() {
     sculpture.dab(&touch(Paint::Freeze(true))).unwrap();
     let pose = sculpture.pose().to_vec();
     sculpture.dab(&touch(Paint::Growth { factor: 1.1, direction: None })).unwrap();
-    for (v, painted) in sculpture.painted().iter().enumerate() {
+    for (v, painted) in sculpture.values().iter().enumerate() {
         assert!(painted.frozen != [true; 3] || sculpture.pose()[v] == pose[v]);
     }
-    assert!(sculpture.painted()[v].frozen == [true; 3] && sculpture.pose() != pose);
+    assert!(sculpture.values()[v].frozen == [true; 3] && sculpture.pose() != pose);
     // A brush that is none changes nothing.
-    let now = (sculpture.pose().to_vec(), sculpture.painted().to_vec());
+    let now = (sculpture.pose().to_vec(), sculpture.values().to_vec());
     for (paint, says) in [
         (Paint::Growth { factor: 0.0, direction: None }, "dab.factor"),
         (Paint::Growth { factor: f64::NAN, direction: None }, "dab.factor"),
@@ -275,7 +275,7 @@ fn everything_that_can_be_painted_is_followed() {
     ] {
         let told = sculpture.dab(&touch(paint)).unwrap_err().to_string();
         assert!(told.contains(says) && told.contains("; "), "{told}");
-        assert!((sculpture.pose(), sculpture.painted()) == (&now.0, &now.1));
+        assert!((sculpture.pose(), sculpture.values()) == (&now.0, &now.1));
     }
     let told = |dab: Dab| sculpture.clone().dab(&dab).unwrap_err().to_string();
     assert!(told(Dab { radius_m: 0.0, ..touch(Paint::Bias(0.1)) }).contains("dab.radius_m"));
@@ -288,5 +288,5 @@ fn everything_that_can_be_painted_is_followed() {
         told(Dab { spot: SurfacePoint { weights: [1.0; 3], ..spot }, ..touch(Paint::Bias(0.1)) })
             .contains("name no point")
     );
-    assert!(before.is_settled() && !sculpture.is_settled());
+    assert!(before.is_at_rest() && !sculpture.is_at_rest());
 }

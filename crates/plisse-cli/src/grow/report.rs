@@ -1,22 +1,16 @@
 //! report.json of `plisse grow` and its short table on the terminal: the same figures.
 
 use plisse::growth::adapt::MeshStage;
-use plisse::mesh::Vec3;
-use plisse::mesh::crossing::crossing_pairs;
-use plisse::relief::RealisedGrowth;
-use plisse::scene::BuiltGrowth;
-use plisse::scene::growth::FoldCount;
-use plisse::scene::growth::Mode;
+use plisse::scene::GrownScene;
+use plisse::scene::growth::{FoldCount, GrowthMeasures, GrowthStep, Mode};
 use serde::Serialize;
 
-use super::Outcome;
-
-/// What a run found. Field names carry the units.
+/// Figures of a run. Field names carry the units.
 #[derive(Serialize)]
 pub(super) struct Report {
     pub(super) plisse: &'static str,
     pub(super) title: String,
-    /// What the scene says was published about it.
+    /// The publication that the scene names.
     pub(super) paper: Option<String>,
     /// "variational" or "reference".
     pub(super) mode: &'static str,
@@ -31,13 +25,13 @@ pub(super) struct Report {
     /// the growth; null if there are none.
     pub(super) length_reached: Option<f64>,
     pub(super) steps: Vec<StepSummary>,
-    /// How the last step ended.
+    /// End of the last step.
     pub(super) ending: &'static str,
-    /// Whether the residual is within the tolerance.
+    /// True if the residual is within the tolerance.
     pub(super) converged: bool,
     /// Largest force that is left on a vertex.
     pub(super) residual: f64,
-    /// In what residual and tolerance are measured.
+    /// Unit of residual and tolerance.
     pub(super) residual_unit: &'static str,
     /// The same force (N); none in the reference mode, whose forces have no unit.
     pub(super) residual_newton: Option<f64>,
@@ -63,8 +57,6 @@ pub(super) struct StepSummary {
     pub(super) residual: f64,
     /// None in the reference mode, whose forces have no energy.
     pub(super) energy_joule: Option<f64>,
-    #[serde(skip)]
-    pub(super) at_rest: bool,
 }
 
 #[derive(Serialize)]
@@ -108,47 +100,48 @@ pub(super) struct Seconds {
     pub(super) total: f64,
 }
 
+impl StepSummary {
+    fn new(step: &GrowthStep) -> Self {
+        Self {
+            part: step.part,
+            iterations: step.iterations,
+            ending: step.ending.name(),
+            residual: step.residual,
+            energy_joule: step.energy_joule,
+        }
+    }
+}
+
 impl Report {
-    pub(super) fn new(
-        grown: &BuiltGrowth,
-        found: &Outcome,
-        reached: Option<RealisedGrowth>,
-        folds: Vec<FoldCount>,
-    ) -> Self {
-        let (built, pose) = (&grown.built, &found.pose);
-        let area = |positions: &[Vec3]| -> f64 {
-            let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
-            built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
-        };
-        let offsets =
-            plisse::relief::offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
+    pub(super) fn new(grown: &GrownScene, measures: &GrowthMeasures) -> Self {
+        let built = &grown.scene.built;
         Self {
             plisse: env!("CARGO_PKG_VERSION"),
             title: built.title.clone(),
             paper: Some(built.paper.clone()).filter(|paper| !paper.is_empty()),
-            mode: match found.mode {
+            mode: match grown.mode {
                 Mode::Variational => "variational",
                 Mode::Reference => "reference",
             },
             vertices: built.topology.vertex_count,
             faces: built.topology.face_count(),
-            frozen_vertices: grown.maps.frozen.iter().filter(|axes| axes.contains(&true)).count(),
-            area_start_m2: area(&built.start),
-            area_asked_m2: found.asked.area_m2(),
-            area_m2: area(pose),
-            length_reached: reached.map(|r| r.length),
-            steps: found.steps.clone(),
-            ending: found.ending(),
-            converged: found.at_rest(),
-            residual: found.residual(),
-            residual_unit: found.unit,
-            residual_newton: found.residual_newton,
-            tolerance: found.tolerance,
-            offset_min_m: offsets.iter().copied().fold(0.0, f64::min),
-            offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
-            self_intersecting_pairs: crossing_pairs(&built.topology.faces, pose).len(),
-            folds,
-            meshes: found.meshes.iter().map(MeshSummary::new).collect(),
+            frozen_vertices: measures.frozen_vertices,
+            area_start_m2: measures.area_start_m2,
+            area_asked_m2: measures.area_asked_m2,
+            area_m2: measures.area_m2,
+            length_reached: measures.length_reached,
+            steps: grown.steps.iter().map(StepSummary::new).collect(),
+            ending: grown.ending().name(),
+            converged: grown.at_rest(),
+            residual: grown.residual(),
+            residual_unit: grown.residual_unit,
+            residual_newton: grown.residual_newton,
+            tolerance: grown.tolerance,
+            offset_min_m: measures.offset_min_m,
+            offset_max_m: measures.offset_max_m,
+            self_intersecting_pairs: measures.self_intersecting_pairs,
+            folds: measures.folds.clone(),
+            meshes: grown.meshes.iter().map(MeshSummary::new).collect(),
             frames: 0,
             notes: Vec::new(),
             seconds: Seconds::default(),

@@ -2,6 +2,7 @@
 //! their scenes, [`solved`] solves and draws them, [`table`] writes the tables.
 
 mod ablation;
+mod growth;
 mod meshing;
 mod resolution;
 mod scaling_law;
@@ -57,7 +58,7 @@ type Work = fn(&mut Study<'_>) -> std::result::Result<(), Stop>;
 
 /// Name, heading and work of a study.
 fn studies(name: StudyName) -> Vec<(&'static str, &'static str, Work)> {
-    let all: [(StudyName, &str, &str, Work); 5] = [
+    let all: [(StudyName, &str, &str, Work); 6] = [
         (StudyName::Ablation, "ablation", "What each term is for", ablation::run),
         (
             StudyName::ScalingLaw,
@@ -68,8 +69,13 @@ fn studies(name: StudyName) -> Vec<(&'static str, &'static str, Work)> {
         (StudyName::Meshing, "meshing", "How the mesh is made", meshing::run),
         (StudyName::Resolution, "resolution", "How fine the mesh is", resolution::run),
         (StudyName::Timing, "timing", "Iterations and seconds", timing::run),
+        (StudyName::Growth, "growth", "Folds of a surface that grows", growth::run),
     ];
-    let wanted = |study: &&(StudyName, _, _, _)| name == StudyName::All || name == study.0;
+    // Growth has another paper, and a page of its own.
+    let wanted = |study: &&(StudyName, _, _, _)| match name {
+        StudyName::All => study.0 != StudyName::Growth,
+        name => name == study.0,
+    };
     all.iter().filter(wanted).map(|&(_, name, title, work)| (name, title, work)).collect()
 }
 

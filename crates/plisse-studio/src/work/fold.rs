@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
 use plisse::Result;
-use plisse::growth::sculpt::{Change, Painted, SculptOptions, Sculpture};
-use plisse::growth::{Expansion, GrowthOptions, GrowthReport, StepReport};
+use plisse::growth::sculpt::{Change, SculptOptions, Sculpture};
+use plisse::growth::{Expansion, GrowthAt, GrowthOptions, GrowthReport, StepReport};
 use plisse::mesh::Vec3;
 use plisse::progress::{Observer, Step};
 use web_time::Instant;
@@ -207,27 +207,27 @@ impl Follower {
             return Err(plisse::Error::value("fold under the brush", message));
         }
         let sheet = grow::painted(document)?;
-        let growing = sheet.growing();
+        let surface = sheet.surface;
         let pose = match grown {
-            Some(grown) if grown.topology.faces != growing.topology.faces => {
+            Some(grown) if grown.topology.faces != surface.topology.faces => {
                 let message = "what has grown has another mesh than the model; undo growth.remesh \
                     in its scene, or paint before it grows";
                 return Err(plisse::Error::value("fold under the brush", message));
             }
             Some(grown) => grown.pose.clone(),
-            None => growing.start.to_vec(),
+            None => surface.start.clone(),
         };
         let brush = SculptOptions { growth_limit: f64::INFINITY, ..SculptOptions::default() };
         Ok(Self {
-            frames: Expansion::none(growing.topology, growing.start)?,
+            frames: Expansion::none(&surface.topology, &surface.start)?,
             numbers: (0..pose.len()).map(|v| Numbers::of(&document.layers, v)).collect(),
-            held: sheet.held.clone(),
+            held: sheet.held,
             spacing_m: document.settings.fold_spacing_m,
             coherence_m: document.settings.coherence_m,
             sculpture: Sculpture::new(
-                &growing,
+                surface,
                 pose,
-                GrowthOptions { iteration_limit: BOUT, ..sheet.options.clone() },
+                GrowthOptions { iteration_limit: BOUT, ..sheet.options },
                 brush,
             )?,
             done: Vec::new(),
@@ -238,7 +238,7 @@ impl Follower {
     /// Follows these layers, or goes on coming to rest.
     ///
     /// # Errors
-    /// As [`Sculpture::paint`] and [`Sculpture::settle`]; the surface then is as it was.
+    /// As [`Sculpture::paint`] and [`Sculpture::equilibrate`]; the surface then is as it was.
     pub fn follow(
         &mut self,
         wanted: Option<FoldRequest>,
@@ -251,19 +251,19 @@ impl Follower {
             step = self.paint(&wanted)?.or(step);
         } else if self.bouts > 0 {
             self.bouts -= 1;
-            let (change, report) = self.sculpture.settle(observer)?;
+            let (change, report) = self.sculpture.equilibrate(observer)?;
             let strokes = self.done.last().map_or(0, |done| done.strokes);
             self.keep(strokes, change, Vec::new());
             step = report.step;
         }
-        let growing = self.sculpture.growing();
-        let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+        let surface = self.sculpture.surface();
+        let asked = surface.asked()?;
         let pose = self.sculpture.pose().to_vec();
-        let solid = Arc::new(grow::look(growing.topology, &asked, &pose));
+        let solid = Arc::new(grow::look(&surface.topology, &asked, &pose));
         let seconds = begun.elapsed().as_secs_f64();
         let report = Arc::new(GrowthReport { steps: step.into_iter().collect(), asked, seconds });
-        let grown = Arc::new(Grown { topology: growing.topology.clone(), pose, report });
-        let at_rest = self.bouts == 0 || self.sculpture.is_settled();
+        let grown = Arc::new(Grown { topology: surface.topology.clone(), pose, report });
+        let at_rest = self.bouts == 0 || self.sculpture.is_at_rest();
         Ok(Folded { solid, grown, ms: 1e3 * seconds as f32, at_rest })
     }
 
@@ -292,7 +292,7 @@ impl Follower {
         let (mut all, mut last) = (Change::default(), None);
         for k in 1..=steps {
             let share = k as f64 / steps as f64;
-            let values: Vec<(usize, Painted)> = differing
+            let values: Vec<(usize, GrowthAt)> = differing
                 .iter()
                 .map(|&v| (v, self.painted(v, &self.numbers[v].towards(&to(v), share))))
                 .collect();
@@ -320,13 +320,13 @@ impl Follower {
     }
 
     /// What the numbers of vertex `v` ask for.
-    fn painted(&self, v: usize, numbers: &Numbers) -> Painted {
-        Painted {
+    fn painted(&self, v: usize, numbers: &Numbers) -> GrowthAt {
+        GrowthAt {
             growth: numbers.growth(&self.frames.vertices[v]),
             wavelength_m: numbers.wavelength_m(self.spacing_m),
             coherence_m: numbers.coherence_m(self.coherence_m),
             frozen: [self.held[v] || numbers.frozen(); 3],
-            ..self.sculpture.painted()[v]
+            ..self.sculpture.values()[v]
         }
     }
 

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use plisse::growth::expansion::GrowthTensor;
 use plisse::growth::{
-    Expansion, Growing, GrowthMaps, GrowthOptions, GrowthReport, StepReport, Surface,
-    grow_adapting, grow_each,
+    Expansion, GrowingSurface, GrownSurface, GrowthAt, GrowthMaps, GrowthOptions, GrowthReport,
+    LoadSteps, StepReport, follow_adapting, follow_each,
 };
 use plisse::mesh::{Mat2, Topology, Vec3};
 use plisse::progress::Observer;
@@ -39,19 +39,10 @@ pub enum Plan {
 /// A surface, and what is painted on it as growth takes it.
 #[derive(Clone, Debug)]
 pub struct Painted {
-    topology: Topology,
-    rest: RestMetric,
-    start: Vec<Vec3>,
-    maps: GrowthMaps,
+    pub(super) surface: GrowingSurface,
     /// `[V]` what stays where it is whatever is painted.
     pub(super) held: Vec<bool>,
     pub(super) options: GrowthOptions,
-}
-
-impl Painted {
-    pub(super) fn growing(&self) -> Growing<'_> {
-        Growing::with(&self.topology, &self.rest, &self.start, self.maps.clone())
-    }
 }
 
 /// What is painted on one vertex that growth asks for.
@@ -137,10 +128,10 @@ impl Numbers {
 }
 
 impl Plan {
-    fn growing(&self) -> Growing<'_> {
+    fn surface(&self) -> GrowingSurface {
         match self {
-            Self::Scene(built) => built.growing(),
-            Self::Painted(sheet) => sheet.growing(),
+            Self::Scene(built) => built.surface(),
+            Self::Painted(sheet) => sheet.surface.clone(),
         }
     }
 
@@ -216,75 +207,58 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
     let numbers: Vec<Numbers> =
         (0..start.len()).map(|v| Numbers::of(&document.layers, v)).collect();
     let frames = Expansion::none(&topology, &start)?;
-    let expansion = Expansion {
-        vertices: numbers.iter().zip(&frames.vertices).map(|(n, frame)| n.growth(frame)).collect(),
-    };
     let settings = &document.settings;
     let (young_pa, poisson) = subject
         .scene
         .as_ref()
         .map_or((1e5, 0.0), |s| (s.scene.material.young_pa, s.scene.material.poisson));
+    let at = |((n, frame), held): ((&Numbers, &GrowthTensor), &bool)| GrowthAt {
+        coherence_m: n.coherence_m(settings.coherence_m),
+        frozen: [n.frozen() || *held; 3],
+        ..GrowthAt::new(n.growth(frame), n.wavelength_m(settings.fold_spacing_m))
+    };
+    let vertices = numbers.iter().zip(&frames.vertices).zip(&held).map(at).collect();
+    let maps = GrowthMaps { vertices, bands: Vec::new() };
     Ok(Painted {
-        maps: GrowthMaps {
-            wavelength_m: numbers.iter().map(|n| n.wavelength_m(settings.fold_spacing_m)).collect(),
-            coherence_m: numbers.iter().map(|n| n.coherence_m(settings.coherence_m)).collect(),
-            frozen: numbers.iter().zip(&held).map(|(n, held)| [n.frozen() || *held; 3]).collect(),
-            ..GrowthMaps::even(expansion, 1.0, 0.0)
-        },
+        surface: GrowingSurface::new(topology, rest, start, maps),
         held,
         options: GrowthOptions { young_pa, poisson, ..GrowthOptions::default() },
-        topology,
-        rest,
-        start,
     })
 }
 
 /// Grows it; on a mesh that follows the folds, if its scene says so.
 ///
 /// # Errors
-/// As [`grow_each`] and [`grow_adapting`].
+/// As [`follow_each`] and [`follow_adapting`].
 pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
-    let growing = plan.growing();
+    let surface = plan.surface();
     let (parts, adapt) = match plan {
         Plan::Scene(built) => (built.parts(None), built.adapt.as_ref()),
-        Plan::Painted(sheet) => (sheet.options.parts(growing.maps.most_growth()), None),
+        Plan::Painted(sheet) => (sheet.options.parts(surface.maps.most_growth()), None),
     };
+    let steps = LoadSteps { parts: &parts, options: plan.options() };
     reporter.stage("growth", Some(0.0));
     let mut done = 0;
-    let mut show = |step: &StepReport, topology: &Topology, rest: &RestMetric, pose: &[Vec3]| {
+    let mut show = |step: &StepReport, surface: &GrowingSurface, pose: &[Vec3]| {
         done += 1;
         let share = (done as f32 / parts.len().max(1) as f32).min(1.0);
         reporter.stage(&format!("growth, {:.0} % of it", 100.0 * step.part), Some(share));
-        reporter.part(Part::Step(Arc::new(look(topology, rest, pose))));
+        reporter.part(Part::Step(Arc::new(look(&surface.topology, &surface.rest, pose))));
         Ok(())
     };
     let (topology, pose, report) = match (plan, adapt) {
         (Plan::Scene(built), Some(adapt)) => {
-            let mut each =
-                |step: &StepReport, on: &Surface<'_>| show(step, &on.topology, &on.rest, &on.pose);
-            let (surface, report) = grow_adapting(
-                &growing,
-                built.chart(),
-                &parts,
-                &built.options,
-                adapt,
-                reporter,
-                &mut each,
-            )?;
-            (surface.topology, surface.pose, report.growth)
+            let start = GrownSurface::new(surface, built.chart());
+            let mut each = |step: &StepReport, on: &GrownSurface| show(step, &on.surface, &on.pose);
+            let (grown, report) = follow_adapting(start, &steps, adapt, reporter, &mut each)?;
+            (grown.surface.topology, grown.pose, report.growth)
         }
         _ => {
-            let mut each =
-                |step: &StepReport, pose: &[Vec3]| show(step, growing.topology, growing.rest, pose);
-            let (pose, report) = grow_each(
-                &growing,
-                &parts,
-                growing.start,
-                plan.options(),
-                reporter as &dyn Observer,
-                &mut each,
-            )?;
-            (growing.topology.clone(), pose, report)
+            let mut each = |step: &StepReport, pose: &[Vec3]| show(step, &surface, pose);
+            let observer: &dyn Observer = reporter;
+            let (pose, report) =
+                follow_each(&surface, &surface.start, &steps, observer, &mut each)?;
+            (surface.topology, pose, report)
         }
     };
     let solid = look(&topology, &report.asked, &pose);

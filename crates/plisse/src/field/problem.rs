@@ -13,12 +13,10 @@ use super::closed_forms::ClosedForms;
 use super::density::{Density, Local, LocalHessian};
 use super::phase_unknowns::PhaseUnknowns;
 use crate::linalg::Problem;
+use crate::linalg::ordered_sum::{CHUNK, ordered_sum};
 use crate::linalg::psd_projection::{PsdProjection, project_to_psd};
 use crate::linalg::sparse::SymmetricPattern;
 use crate::mesh::{NONE, Topology};
-
-/// Faces a thread takes at once.
-const CHUNK: usize = 128;
 
 /// The reduced problem on a mesh. Made once; only its work space changes.
 pub struct FieldProblem<'a> {
@@ -264,14 +262,11 @@ impl Problem for FieldProblem<'_> {
 
     fn energy(&mut self, x: &[f64]) -> f64 {
         // Sums of fixed chunks, added in order: the same for any number of threads.
-        let sums: Vec<f64> = self
-            .elements
-            .par_chunks(CHUNK)
-            .map(|chunk| {
-                chunk.iter().map(|element| element.density.energy(&self.local(element, x))).sum()
-            })
-            .collect();
-        sums.iter().sum::<f64>() / self.energy_unit_joule
+        let energy = |e: usize| {
+            let element = &self.elements[e];
+            element.density.energy(&self.local(element, x))
+        };
+        ordered_sum(self.elements.len(), energy) / self.energy_unit_joule
     }
 
     fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {

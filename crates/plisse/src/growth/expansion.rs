@@ -1,5 +1,4 @@
-//! Expansion textures: how much longer each direction of the surface wants to be (4.1 of [Combaz &
-//! Neyret 2002]).
+//! Expansion textures: growth tensors on the starting surface (4.1 of [Combaz & Neyret 2002]).
 //!
 //! At every vertex the expansion is a symmetric positive definite form τ on the tangent plane of
 //! the *starting* surface: an edge that runs along the unit vector l becomes longer by the factor
@@ -15,7 +14,7 @@ use crate::{At, Error, Result};
 /// Smallest and largest factor by which a length may be asked to grow in one expansion.
 const FACTORS: [f64; 2] = [1e-3, 1e3];
 
-/// Expansion of one vertex.
+/// Growth tensor τ at one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrowthTensor {
     /// First unit vector of the tangent frame; the second is the third of a right-handed frame:
@@ -49,7 +48,7 @@ impl GrowthTensor {
         ([high.sqrt(), low.sqrt()], [most, least])
     }
 
-    /// ln τ as a form in space, (xx, yy, zz, xy, yz, zx), no unit: what may be blended between
+    /// ln τ as a form in space, (xx, yy, zz, xy, yz, zx), no unit: it may be blended between
     /// vertices whose frames differ. All 0 where nothing grows.
     pub(super) fn logarithm(&self) -> [f64; 6] {
         if self.form == Mat2::identity() {
@@ -61,8 +60,8 @@ impl GrowthTensor {
         [m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(1, 2)], m[(2, 0)]]
     }
 
-    /// The expansion whose logarithm is the part of this one ([`GrowthTensor::logarithm`]) that lies in
-    /// the plane with the unit `normal`.
+    /// The expansion whose logarithm is the part of this one ([`GrowthTensor::logarithm`]) that
+    /// lies in the plane with the unit `normal`.
     pub(super) fn from_logarithm(normal: &Vec3, [xx, yy, zz, xy, yz, zx]: [f64; 6]) -> Self {
         let along = any_tangent(normal);
         let across = normal.cross(&along);
@@ -99,7 +98,7 @@ impl GrowthTensor {
     }
 }
 
-/// `[V]` how the surface wants to grow.
+/// `[V]` growth tensors of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expansion {
     /// Expansion of each vertex.
@@ -134,7 +133,7 @@ impl Expansion {
     }
 
     /// Growth by `factors` (`[V]`, no unit, of lengths) along `directions` (`[V]`, any length, in
-    /// space; what is normal to the surface is dropped) and by none across.
+    /// space; their parts normal to the surface are dropped) and by none across.
     ///
     /// # Errors
     /// As [`Expansion::from_factors`], or if a direction is normal to the surface where it grows.
@@ -155,8 +154,8 @@ impl Expansion {
     /// [`Expansion::from_directions`]), the second 90° to its left seen from outside.
     ///
     /// # Errors
-    /// [`Error::Value`] naming a vertex whose form is not symmetric and positive definite or whose direction is normal to the surface
-    /// though something grows there; as [`Expansion::none`].
+    /// [`Error::Value`] naming a vertex whose form is not symmetric and positive definite, or whose
+    /// direction is normal to the surface though something grows there; as [`Expansion::none`].
     pub fn from_tensors(
         topology: &Topology,
         positions: &[Vec3],
@@ -184,7 +183,7 @@ impl Expansion {
         Ok(Self { vertices: (0..tensors.len()).map(vertex).collect::<Result<_>>()? })
     }
 
-    /// This growth, and `later` on what it has made: √τ·τ'·√τ at each vertex.
+    /// This growth followed by `later`: √τ·τ'·√τ at each vertex.
     pub fn then(&self, later: &Self) -> Self {
         let vertex = |(first, second): (&GrowthTensor, &GrowthTensor)| {
             if second.form == Mat2::identity() {
@@ -203,7 +202,7 @@ impl Expansion {
         Self { vertices: self.vertices.iter().zip(&later.vertices).map(vertex).collect() }
     }
 
-    /// Whether nothing grows.
+    /// True if nothing grows.
     pub fn is_none(&self) -> bool {
         self.vertices.iter().all(|growth| growth.form == Mat2::identity())
     }

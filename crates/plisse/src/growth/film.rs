@@ -1,4 +1,4 @@
-//! The energy of a grown film on a foundation, for [`crate::linalg::newton`]: membrane on the grown
+//! Energy of a grown film on a foundation, for [`crate::linalg::newton`]: membrane on the grown
 //! metric, bending, the foundation that holds the mean of its folds to the starting surface, the
 //! tension that lines its crests up, weight and contact.
 //!
@@ -13,9 +13,8 @@
 //! - crests: T/2·∫(∂w/∂c)² over the starting area, where c runs along the crests. Folds whose wave
 //!   vector leans by qᵥ along c cost T·qᵥ² more. Bending stiffness D along the crests, in (∂²/∂x² +
 //!   D·∂²/∂c²)², would cost 2BDq²·qᵥ² to the same order; but it needs second derivatives, which on
-//!   irregular triangles let a stiff direction leak into the soft one.
-//!
-//! - contact with itself, if it is asked for: `growth::self_contact`.
+//!   irregular triangles let a stiff direction leak into the soft one;
+//! - contact with itself, if it is asked for: [`crate::self_contact`].
 //!
 //! All but membrane, sticking and contact is quadratic in u: one constant matrix.
 
@@ -24,26 +23,25 @@ use rayon::prelude::*;
 
 use crate::Result;
 use crate::linalg::IndexBlocks;
+use crate::linalg::ordered_sum::{CHUNK, ordered_sum};
 use crate::linalg::sparse::SymmetricPattern;
 use crate::linalg::vertex_pattern::{NO_SLOT, VertexPattern};
 use crate::linalg::{Problem, PsdProjection};
 use crate::material::Material;
 use crate::mesh::{Mat3, NONE, Vec3};
-use crate::self_contact::{SelfContact, Touch};
+use crate::self_contact::{Contact, SelfContact};
 use crate::shell::Setup;
 use crate::shell::contact::Barrier;
 use crate::shell::quadratic_bending::QuadraticBending;
 use crate::shell::tension_field::{FaceHessian, Membrane};
 
-/// Faces a thread takes at once.
-const CHUNK: usize = 128;
+/// Iterations for which the matrix keeps its pattern although a few contacts couple vertices that
+/// it does not couple: a new ordering of the unknowns costs as much as several iterations.
+const PATTERN_LIFETIME: usize = 12;
+/// Contacts for each uncoupled one from which on the uncoupled ones count as few.
+const CONTACTS_PER_UNCOUPLED: usize = 12;
 
-/// For how many iterations a few new couplings may wait, and how many times more there must be of
-/// all.
-const PATIENCE: usize = 12;
-const FEW: usize = 12;
-
-/// What holds one vertex to the starting surface.
+/// Foundation that holds one vertex to the starting surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Foundation {
     /// Unit normal of the starting surface.
@@ -54,14 +52,14 @@ pub struct Foundation {
     pub grip: f64,
     /// w₀: offset (m) at which the foundation is at rest.
     pub offset_m: f64,
-    /// How much stiffer it is below the surface than above: 0 for equally stiff.
+    /// Extra stiffness below the surface over that above (no unit): 0 for equally stiff.
     pub stickiness: f64,
 }
 
-/// What lines crests up on one face: the energy is ½(Σ coefficient·w)² over its corners.
+/// Crest tension on one face: the energy is ½(Σ coefficient·w)² over its corners.
 pub type CrestTension = [f64; 3];
 
-/// A film that is being folded.
+/// Energy of a film in its free coordinates.
 pub struct Film<'a> {
     setup: &'a Setup<'a>,
     start: &'a [Vec3],
@@ -74,21 +72,22 @@ pub struct Film<'a> {
     pattern: VertexPattern,
     /// Hessian of all that is quadratic, in units.
     constant: Vec<f64>,
-    /// What held coordinates that are not where they started add to the gradient, in units.
-    pull: Vec<f64>,
+    /// Gradient of the constant part at the start, due to held coordinates that are elsewhere, in
+    /// units.
+    held_gradient: Vec<f64>,
     /// `[F][45]` slots of each face's lower triangle; [`NO_SLOT`] where a coordinate is held.
     slots: Vec<[u32; 45]>,
     pose: Vec<Vec3>,
     product: Vec<f64>,
-    contact: Option<SelfContact<'a>>,
-    /// What touches where it was last linearised.
-    touches: Vec<Touch>,
-    /// Whether touches were looked for at all, and whether they coupled what was not coupled
-    /// before.
-    looked: bool,
-    recoupled: bool,
-    /// How often it was linearised since.
-    since: usize,
+    self_contact: Option<SelfContact<'a>>,
+    /// Active contacts where the energy was last value_and_gradientd.
+    contacts: Vec<Contact>,
+    /// True once candidates of contact were searched for.
+    contacts_detected: bool,
+    /// True if contacts changed the pattern since it was last asked for.
+    pattern_changed: bool,
+    /// Linearisations since the pattern last changed.
+    pattern_age: usize,
 }
 
 impl<'a> Film<'a> {
@@ -107,21 +106,7 @@ impl<'a> Film<'a> {
         crests: &[CrestTension],
     ) -> Result<Self> {
         let (topology, material) = (setup.topology, setup.material);
-        let mut size = 0;
-        let unknown: Vec<[usize; 3]> = setup
-            .clamps
-            .targets
-            .iter()
-            .map(|target| {
-                target.map(|held| {
-                    if held.is_some() {
-                        return NONE;
-                    }
-                    size += 1;
-                    size - 1
-                })
-            })
-            .collect();
+        let (unknown, size) = setup.clamps.free_coordinates();
         let membrane = |f: usize| -> Result<Membrane> {
             let material = Material::new(
                 material.young_pa,
@@ -158,24 +143,24 @@ impl<'a> Film<'a> {
             length_m,
             unit_joule,
             constant: vec![0.0; pattern.pattern().entry_count()],
-            pull: vec![0.0; size],
+            held_gradient: vec![0.0; size],
             pattern,
             slots,
             pose,
             product: vec![0.0; size],
-            contact: None,
-            touches: Vec::new(),
-            looked: false,
-            recoupled: false,
-            since: 0,
+            self_contact: None,
+            contacts: Vec::new(),
+            contacts_detected: false,
+            pattern_changed: false,
+            pattern_age: 0,
         };
-        film.gather(&bending, crests);
+        film.assemble_constant(&bending, crests);
         Ok(film)
     }
 
-    /// The film, kept from passing through itself.
-    pub(super) fn apart(self, contact: Option<SelfContact<'a>>) -> Self {
-        Self { contact, ..self }
+    /// The film with contact of the surface with itself.
+    pub(super) fn with_self_contact(self, self_contact: Option<SelfContact<'a>>) -> Self {
+        Self { self_contact, ..self }
     }
 
     /// `[V][3]` the unknown of each coordinate; [`NONE`] where it is held.
@@ -194,7 +179,7 @@ impl<'a> Film<'a> {
     }
 
     /// The constant part of the Hessian.
-    fn gather(&mut self, bending: &QuadraticBending, crests: &[CrestTension]) {
+    fn assemble_constant(&mut self, bending: &QuadraticBending, crests: &[CrestTension]) {
         let scale = self.length_m * self.length_m / self.unit_joule;
         // By how much coordinates that are held are away from where they started.
         let moved: Vec<Vec3> = self.pose.iter().zip(self.start).map(|(p, q)| p - q).collect();
@@ -221,7 +206,7 @@ impl<'a> Film<'a> {
                 let slots = if u <= v { self.pattern.block(v, u) } else { [[NO_SLOT; 3]; 3] };
                 for (axis, &i) in unknown[v].iter().enumerate().filter(|(_, i)| **i != NONE) {
                     if unknown[u][axis] == NONE {
-                        self.pull[i] += sum * moved[u][axis] / self.length_m;
+                        self.held_gradient[i] += sum * moved[u][axis] / self.length_m;
                     } else if u <= v {
                         self.constant[slots[axis][axis] as usize] += sum;
                     }
@@ -236,7 +221,8 @@ impl<'a> Film<'a> {
             add(&mut self.constant, &self.slots[f], &(slope * slope.transpose() * scale));
             let by: f64 = (0..9).map(|k| slope[k] * moved[corners[k / 3]][k % 3]).sum();
             for k in (0..9).filter(|&k| by != 0.0 && unknown[corners[k / 3]][k % 3] != NONE) {
-                self.pull[unknown[corners[k / 3]][k % 3]] += slope[k] * by * scale / self.length_m;
+                self.held_gradient[unknown[corners[k / 3]][k % 3]] +=
+                    slope[k] * by * scale / self.length_m;
             }
         }
         for (v, foundation) in self.foundation.iter().enumerate() {
@@ -246,7 +232,7 @@ impl<'a> Film<'a> {
             add_vertex(&self.pattern, v, &(block * scale), &mut self.constant);
             let force = block * moved[v] * (scale / self.length_m);
             for axis in (0..3).filter(|&axis| unknown[v][axis] != NONE) {
-                self.pull[unknown[v][axis]] += force[axis];
+                self.held_gradient[unknown[v][axis]] += force[axis];
             }
         }
     }
@@ -272,10 +258,10 @@ impl<'a> Film<'a> {
     }
 
     fn size(&self) -> usize {
-        self.pull.len()
+        self.held_gradient.len()
     }
 
-    fn take(&mut self, x: &[f64]) {
+    fn set_state(&mut self, x: &[f64]) {
         let mut pose = std::mem::take(&mut self.pose);
         self.unpack(x, &mut pose);
         self.pose = pose;
@@ -290,7 +276,7 @@ impl<'a> Film<'a> {
 
     /// Energy (J), and slope (N) along the normal, of what holds vertex `v` beyond the constant
     /// matrix, where the offset is `w` (m).
-    fn hold(&self, v: usize, w: f64) -> [f64; 2] {
+    fn foundation_remainder(&self, v: usize, w: f64) -> [f64; 2] {
         let Foundation { stiffness, offset_m, stickiness, .. } = self.foundation[v];
         let below = if w < 0.0 { stickiness * stiffness } else { 0.0 };
         [
@@ -301,7 +287,7 @@ impl<'a> Film<'a> {
 
     fn vertex_energy(&self, v: usize) -> f64 {
         let moved = self.pose[v] - self.start[v];
-        let mut energy = self.hold(v, self.foundation[v].normal.dot(&moved))[0]
+        let mut energy = self.foundation_remainder(v, self.foundation[v].normal.dot(&moved))[0]
             - self.forces_newton[v].dot(&moved);
         if let Some(barrier) = &self.barrier {
             energy += barrier.energy(v, &self.pose[v]);
@@ -309,55 +295,51 @@ impl<'a> Film<'a> {
         energy
     }
 
-    /// Sum over 0..n in a fixed order, whatever the number of threads.
-    fn sum(n: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let part = |c: usize| -> f64 { (c * CHUNK..n.min((c + 1) * CHUNK)).map(&term).sum() };
-        let sums: Vec<f64> = (0..n.div_ceil(CHUNK)).into_par_iter().map(part).collect();
-        sums.iter().sum()
-    }
-
     fn energy_here(&self, x: &[f64]) -> f64 {
         let quadratic: f64 = x.iter().zip(&self.product).map(|(x, y)| x * y).sum();
-        let linear: f64 = x.iter().zip(&self.pull).map(|(x, y)| x * y).sum();
-        let faces = Self::sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
-        let contact = self.contact.as_ref().map_or(0.0, |contact| contact.energy(&self.pose));
+        let linear: f64 = x.iter().zip(&self.held_gradient).map(|(x, y)| x * y).sum();
+        let faces =
+            ordered_sum(self.membranes.len(), |f| self.membranes[f].energy(&self.corners(f)));
+        let contact = self.self_contact.as_ref().map_or(0.0, |contact| contact.energy(&self.pose));
         0.5 * quadratic
             + linear
-            + (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v)) + contact)
+            + (faces + ordered_sum(self.pose.len(), |v| self.vertex_energy(v)) + contact)
                 / self.unit_joule
     }
 
-    /// Looks for what touches, once before the first energy.
-    fn look(&mut self) {
-        if let Some(contact) = self.contact.as_mut().filter(|_| !self.looked) {
-            contact.look(&self.pose);
+    /// Searches for candidates of contact, once before the first energy.
+    fn detect_contacts(&mut self) {
+        if let Some(contact) = self.self_contact.as_mut().filter(|_| !self.contacts_detected) {
+            contact.detect(&self.pose);
         }
-        self.looked = true;
+        self.contacts_detected = true;
     }
 
-    /// What touches here, with room for its couplings in the pattern.
-    fn touch(&mut self) {
-        let Some(contact) = &self.contact else { return };
-        self.touches = contact.touches(&self.pose);
-        // Bending couples like axes only; what touches couples all.
-        let known = |touch: &Touch| {
-            (0..4)
-                .all(|k| (0..k).all(|l| self.pattern.couples(touch.vertices[k], touch.vertices[l])))
+    /// Updates the active contacts, and the pattern for their couplings.
+    fn update_contacts(&mut self) {
+        let Some(contact) = &self.self_contact else { return };
+        self.contacts = contact.contacts(&self.pose);
+        // Bending couples like axes only; contacts couple all.
+        let known = |contact: &Contact| {
+            (0..4).all(|k| {
+                (0..k).all(|l| self.pattern.couples(contact.vertices[k], contact.vertices[l]))
+            })
         };
         let missing: Vec<usize> =
-            (0..self.touches.len()).filter(|&n| !known(&self.touches[n])).collect();
-        self.since += 1;
+            (0..self.contacts.len()).filter(|&n| !known(&self.contacts[n])).collect();
+        self.pattern_age += 1;
         if missing.is_empty() {
             return;
         }
-        // Ordering the unknowns anew costs several iterations; a few couplings can wait.
-        if self.since < PATIENCE && FEW * missing.len() < self.touches.len() {
-            missing.into_iter().for_each(|n| self.touches[n].loose = true);
+        if self.pattern_age < PATTERN_LIFETIME
+            && CONTACTS_PER_UNCOUPLED * missing.len() < self.contacts.len()
+        {
+            missing.into_iter().for_each(|n| self.contacts[n].uncoupled = true);
             return;
         }
-        self.since = 0;
+        self.pattern_age = 0;
         let places =
-            self.pattern.extend(contact.soon(&self.pose).iter().map(|vertices| &vertices[..]));
+            self.pattern.extend(contact.nearby(&self.pose).iter().map(|vertices| &vertices[..]));
         let mut constant = vec![0.0; self.pattern.pattern().entry_count()];
         for (&place, &value) in places.iter().zip(&self.constant) {
             constant[place as usize] = value;
@@ -365,33 +347,36 @@ impl<'a> Film<'a> {
         for slot in self.slots.iter_mut().flatten().filter(|slot| **slot != NO_SLOT) {
             *slot = places[*slot as usize];
         }
-        (self.constant, self.recoupled) = (constant, true);
+        (self.constant, self.pattern_changed) = (constant, true);
     }
 
-    /// Adds what touches to the Hessian's values.
-    fn add_touches(&self, values: &mut [f64], scale: f64) {
-        for touch in self.touches.iter().filter(|touch| touch.loose) {
+    /// Adds the contacts' Hessians to `values`.
+    fn add_contact_hessian(&self, values: &mut [f64], scale: f64) {
+        for contact in self.contacts.iter().filter(|contact| contact.uncoupled) {
             // (Σ wₖxₖ)² ≤ Σ|w| · Σ |wₖ|xₖ², and Σ|w| is 2.
-            for (&v, slope) in touch
+            for (&v, slope) in contact
                 .vertices
                 .iter()
-                .zip(&touch.slope)
+                .zip(&contact.slope)
                 .filter(|(_, slope)| **slope != Vec3::zeros())
             {
-                let block = slope * slope.transpose() * (2.0 * scale * touch.bend / slope.norm());
+                let block =
+                    slope * slope.transpose() * (2.0 * scale * contact.stiffness / slope.norm());
                 add_vertex(&self.pattern, v, &block, values);
             }
         }
-        for touch in self.touches.iter().filter(|touch| !touch.loose) {
+        for contact in self.contacts.iter().filter(|contact| !contact.uncoupled) {
             for k in 0..4 {
                 for l in 0..=k {
-                    let slots = self.pattern.block(touch.vertices[k], touch.vertices[l]);
+                    let slots = self.pattern.block(contact.vertices[k], contact.vertices[l]);
                     for a in 0..3 {
                         for b in
                             (0..if k == l { a + 1 } else { 3 }).filter(|&b| slots[a][b] != NO_SLOT)
                         {
-                            values[slots[a][b] as usize] +=
-                                scale * touch.bend * touch.slope[k][a] * touch.slope[l][b];
+                            values[slots[a][b] as usize] += scale
+                                * contact.stiffness
+                                * contact.slope[k][a]
+                                * contact.slope[l][b];
                         }
                     }
                 }
@@ -414,20 +399,20 @@ impl Problem for Film<'_> {
     }
 
     fn energy(&mut self, x: &[f64]) -> f64 {
-        self.take(x);
-        self.look();
+        self.set_state(x);
+        self.detect_contacts();
         self.energy_here(x)
     }
 
     fn value_and_gradient(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
-        self.take(x);
-        self.look();
-        self.touch();
+        self.set_state(x);
+        self.detect_contacts();
+        self.update_contacts();
         gradient
             .iter_mut()
             .zip(&self.product)
-            .zip(&self.pull)
-            .for_each(|((g, product), pull)| *g = product + pull);
+            .zip(&self.held_gradient)
+            .for_each(|((g, product), held)| *g = product + held);
         let scale = self.length_m / self.unit_joule;
         let slopes: Vec<_> = (0..self.membranes.len())
             .into_par_iter()
@@ -447,7 +432,8 @@ impl Problem for Film<'_> {
         }
         for v in 0..self.pose.len() {
             let normal = self.foundation[v].normal;
-            let mut force = normal * self.hold(v, normal.dot(&(self.pose[v] - self.start[v])))[1]
+            let mut force = normal
+                * self.foundation_remainder(v, normal.dot(&(self.pose[v] - self.start[v])))[1]
                 - self.forces_newton[v];
             if let Some(push) =
                 self.barrier.as_ref().and_then(|barrier| barrier.push(v, &self.pose[v], false))
@@ -458,8 +444,8 @@ impl Problem for Film<'_> {
                 add(v, axis, force[axis]);
             }
         }
-        for touch in &self.touches {
-            for (&v, force) in touch.vertices.iter().zip(&touch.gradient) {
+        for contact in &self.contacts {
+            for (&v, force) in contact.vertices.iter().zip(&contact.gradient) {
                 (0..3).for_each(|axis| add(v, axis, force[axis]));
             }
         }
@@ -476,17 +462,17 @@ impl Problem for Film<'_> {
         };
         let part =
             self.barrier.as_ref().map_or(1.0, |barrier| barrier.max_step_size(&self.pose, by));
-        match &mut self.contact {
+        match &mut self.self_contact {
             Some(contact) => {
                 let moves: Vec<Vec3> = (0..self.pose.len()).map(|v| by(v) * part).collect();
-                part * contact.look_ahead(&self.pose, &moves)
+                part * contact.collision_free_step(&self.pose, &moves)
             }
             None => part,
         }
     }
 
     fn new_sparsity(&mut self) -> Option<SymmetricPattern> {
-        std::mem::take(&mut self.recoupled).then(|| self.pattern.pattern().clone())
+        std::mem::take(&mut self.pattern_changed).then(|| self.pattern.pattern().clone())
     }
 
     fn hessian(&mut self, projection: PsdProjection, values: &mut [f64]) {
@@ -517,7 +503,7 @@ impl Problem for Film<'_> {
                 add_vertex(&self.pattern, v, &(block * scale), values);
             }
         }
-        self.add_touches(values, scale);
+        self.add_contact_hessian(values, scale);
     }
 }
 

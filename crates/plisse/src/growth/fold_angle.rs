@@ -1,5 +1,5 @@
-//! One large fold, as the arc θ = θ₀·sin(qs) of a strip that keeps its length: how steep it is, how
-//! high, and what foundation keeps its wavelength.
+//! One large fold, as the arc θ = θ₀·sin(qs) of a strip that keeps its length: its angle, its
+//! height, and the foundation that keeps its wavelength.
 //!
 //! Grown by g, the strip lies over 1/g of its length: ⟨cos θ⟩ = J₀(θ₀) = 1/g. To first order its
 //! offset is 2J₁(θ₀)/q·cos(qs), and per unit of *starting* length it stores g·B/2·θ₀²q²/2 in
@@ -7,7 +7,7 @@
 //! surface, the sum is least at Q⁴ = k/B·c(g), c = 4J₁²g³/θ₀². Small folds have c = 1; a foundation
 //! softened by c keeps the wavelength that is seen, however far the surface grows.
 
-/// Steepest θ₀ (rad) that is told apart: g = 50.
+/// Largest growth factor (no unit) for which θ₀ is computed.
 const MOST_GROWTH: f64 = 50.0;
 
 /// J₀(x) and J₁(x) for 0 ≤ x ≤ 2.405, by their series.
@@ -47,9 +47,9 @@ pub fn fold_angle(growth: f64) -> f64 {
     angle
 }
 
-/// c(g) (no unit): by how much the foundation of a surface grown by the factor `growth` must be
-/// softer than that of one that has only begun to fold, so that its folds keep the wavelength that
-/// is seen on the starting surface.
+/// c(g) (no unit): softening of the foundation of a surface grown by the factor `growth`, over that
+/// of one that has only begun to fold, with which its folds keep the wavelength that is seen on the
+/// starting surface.
 pub fn softening(growth: f64) -> f64 {
     let growth = growth.clamp(1.0, MOST_GROWTH);
     let angle = fold_angle(growth);

@@ -1,16 +1,16 @@
-//! The random offsets from which folds begin: rough on the scale of the folds, with nothing in them
-//! that is longer.
+//! Random imperfections from which folds begin: rough on the scale of the folds, without longer
+//! waves.
 //!
 //! Noise of lumps as small as half a fold has long waves, too, as strong as any other; where
 //! imperfections are large, these would be the largest relief while growth is small. So the noise
-//! passes twice through 1 − (1 − ℓ²Δ)⁻¹ on the starting surface, with ℓ = λ/2π: a wave of wave
-//! number q is left by the factor (ℓ²q²/(1 + ℓ²q²))², which is ¼ for folds and 0.01 for what is
-//! three times as long.
+//! passes twice through the high-pass filter 1 − (1 − ℓ²Δ)⁻¹ on the starting surface, with ℓ =
+//! λ/2π. A wave of wave number q is reduced by the factor (ℓ²q²/(1 + ℓ²q²))², which is ¼ for folds
+//! and 0.01 for waves three times as long.
 
 use std::f64::consts::TAU;
 
 use super::procedural_map::roughness;
-use super::surface::Growing;
+use super::surface::GrowingSurface;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::rest::RestMetric;
@@ -18,26 +18,26 @@ use crate::{Error, Result};
 
 /// Size of the noise's lumps, in wavelengths.
 const LUMP: f64 = 0.5;
-/// How often long waves are taken away.
+/// Number of passes of the high-pass filter.
 const PASSES: usize = 2;
 
 /// `[V]` imperfections of about unit size (no unit) on the starting surface, whose metric is
-/// `surface` and on which each vertex has `area_m2` (`[V]`, m²). They come from places, not from
-/// numbers of vertices, so a finer mesh has the same.
+/// `metric` and on which each vertex has `area_m2` (`[V]`, m²). They depend on places, not on the
+/// numbering of vertices, so a finer mesh has the same ones.
 ///
 /// # Errors
 /// [`Error::Numeric`] if the matrix is not positive definite, as on a mesh with very bad triangles.
 pub(super) fn band_limited(
-    growing: &Growing<'_>,
-    surface: &RestMetric,
+    surface: &GrowingSurface,
+    metric: &RestMetric,
     area_m2: &[f64],
     seed: u64,
 ) -> Result<Vec<f64>> {
-    let lump = |v: usize| LUMP * growing.maps.wavelength_m[v];
+    let lump = |v: usize| LUMP * surface.maps.vertices[v].wavelength_m;
     let mut rough: Vec<f64> =
-        (0..area_m2.len()).map(|v| roughness(&growing.places[v], lump(v), seed)).collect();
+        (0..area_m2.len()).map(|v| roughness(&surface.places[v], lump(v), seed)).collect();
     let before = size(&rough, area_m2);
-    take_long_waves(growing, surface, area_m2, &mut rough)?;
+    remove_long_waves(surface, metric, area_m2, &mut rough)?;
     let after = size(&rough, area_m2);
     if after > 0.0 {
         rough.iter_mut().for_each(|w| *w *= before / after);
@@ -45,19 +45,20 @@ pub(super) fn band_limited(
     Ok(rough)
 }
 
-/// Takes what is longer than folds away from `rough` (`[V]`).
-fn take_long_waves(
-    growing: &Growing<'_>,
-    surface: &RestMetric,
+/// Removes waves that are longer than folds from `rough` (`[V]`).
+fn remove_long_waves(
+    surface: &GrowingSurface,
+    metric: &RestMetric,
     area_m2: &[f64],
     rough: &mut [f64],
 ) -> Result<()> {
     let n = area_m2.len();
     let pattern =
-        SymmetricPattern::from_elements(n, growing.topology.faces.iter().map(|face| &face[..]));
+        SymmetricPattern::from_elements(n, surface.topology.faces.iter().map(|face| &face[..]));
     let mut values = vec![0.0; pattern.entry_count()];
-    for (face, rest) in growing.topology.faces.iter().zip(&surface.faces) {
-        let reach_m = face.iter().map(|&v| growing.maps.wavelength_m[v]).sum::<f64>() / (3.0 * TAU);
+    for (face, rest) in surface.topology.faces.iter().zip(&metric.faces) {
+        let sum = face.iter().map(|&v| surface.maps.vertices[v].wavelength_m).sum::<f64>();
+        let reach_m = sum / (3.0 * TAU);
         let slopes = rest.barycentric_gradients();
         for k in 0..3 {
             for l in 0..=k {
@@ -94,7 +95,7 @@ fn size(rough: &[f64], area_m2: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::growth::Expansion;
+    use crate::growth::{Expansion, GrowthMaps};
     use crate::mesh::grid::{Diagonal, grid};
     use crate::mesh::{Topology, Vec3};
 
@@ -104,16 +105,11 @@ mod tests {
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();
-        let growing = Growing::new(
-            &topology,
-            &rest,
-            &start,
-            Expansion::none(&topology, &start).unwrap(),
-            0.2,
-            0.0,
-        );
+        let expansion = Expansion::none(&topology, &start).unwrap();
+        let maps = GrowthMaps::even(&expansion, 0.2, 0.0);
+        let surface = GrowingSurface::new(topology, rest.clone(), start.clone(), maps);
         let mut area_m2 = vec![0.0; start.len()];
-        for (face, rest) in topology.faces.iter().zip(&rest.faces) {
+        for (face, rest) in surface.topology.faces.iter().zip(&rest.faces) {
             face.iter().for_each(|&v| area_m2[v] += rest.area_m2 / 3.0);
         }
         // Cosines are level at the rims, so they keep their shape: (r/(1 + r))² is left, r = (0.2 ·
@@ -121,7 +117,7 @@ mod tests {
         for waves in [0.0, 1.0, 2.0, 5.0, 10.0] {
             let wave: Vec<f64> = start.iter().map(|p| (TAU * waves * p.x).cos()).collect();
             let mut left = wave.clone();
-            take_long_waves(&growing, &rest, &area_m2, &mut left).unwrap();
+            remove_long_waves(&surface, &rest, &area_m2, &mut left).unwrap();
             let (r, whole) = ((0.2 * waves).powi(2), size(&wave, &area_m2));
             let share = (r / (1.0 + r)).powi(2);
             assert!(
@@ -132,7 +128,7 @@ mod tests {
         }
         // Noise keeps its size.
         let raw: Vec<f64> = start.iter().map(|p| roughness(p, LUMP * 0.2, 1)).collect();
-        let limited = band_limited(&growing, &rest, &area_m2, 1).unwrap();
+        let limited = band_limited(&surface, &rest, &area_m2, 1).unwrap();
         assert!((size(&limited, &area_m2) / size(&raw, &area_m2) - 1.0).abs() < 1e-12);
         let mean: f64 = limited.iter().zip(&area_m2).map(|(w, area)| w * area).sum::<f64>()
             / area_m2.iter().sum::<f64>();

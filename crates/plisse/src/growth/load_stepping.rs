@@ -1,14 +1,13 @@
-//! Folds a grown surface up: the variational mode. A film on a soft foundation, grown in steps,
-//! each solved to equilibrium.
+//! Folds a grown surface up: the variational mode. A film on a soft foundation is grown in load
+//! steps, and each step is solved to equilibrium (path following).
 //!
 //! A film of bending stiffness B on a foundation k wrinkles, as soon as it is pressed by ε_c =
 //! h²q²/(6(1−ν²)), with the wave number q = 2π/λ = (k/B)^¼. So the wavelength λ is a design
 //! parameter: **λ is the spacing of the folds that is seen on the starting surface**. (Along the
 //! grown surface a fold is longer: g·λ, which is the λ of the paper's own derivation.) The film is
-//! made
-//! [`GrowthOptions::thickness_share`] of λ thick, and k = Bq⁴/c(g) follows from λ, softened by [`super::fold_angle::softening`] as the
-//! folds grow large, so that no growth makes folds split or merge. What is asked beyond ε_c goes
-//! into length.
+//! [`GrowthOptions::thickness_share`] of λ thick. Then k = Bq⁴/c(g) follows from λ, softened by
+//! [`super::fold_angle::softening`] as the folds grow large, so that no growth makes folds split or
+//! merge. Growth beyond ε_c goes into length.
 //!
 //! Growth is applied in steps of equal *factors*, small ones where folds begin, so that the pattern
 //! is chosen near onset where λ alone decides; later it only grows. The grip of the foundation on
@@ -17,9 +16,9 @@
 
 use web_time::Instant;
 
-use super::equilibrate::{Effort, Prepared};
+use super::equilibrate::{FilmModel, LoadStep, StopCriteria};
 use super::expansion::scale_edges;
-use super::surface::Growing;
+use super::surface::GrowingSurface;
 use crate::Result;
 use crate::linalg::Ending;
 use crate::mesh::{Topology, Vec3};
@@ -28,14 +27,15 @@ use crate::rest::RestMetric;
 
 /// Factor between the first levels of growth.
 const LEVELS: f64 = 1.35;
-/// How much more force than at the end may be left after a step that others follow, and how many
-/// iterations it may take.
-const PASSING: (f64, usize) = (10.0, 60);
-/// Up to this level of growth, in units of ε_c, every step is solved exactly: here the pattern of
-/// folds is chosen.
-const CHOOSING: f64 = 3.0;
+/// Tolerance of a step that others follow, over the tolerance of the last one.
+const INTERMEDIATE_TOLERANCE: f64 = 10.0;
+/// Newton iterations at most of a step that others follow.
+const INTERMEDIATE_ITERATIONS: usize = 60;
+/// Growth, in units of ε_c, up to which every step is solved to the full tolerance: there the
+/// pattern of folds is chosen.
+const PATTERN_SELECTION: f64 = 3.0;
 
-/// How folds are solved for.
+/// Options of the variational mode.
 #[derive(Clone, Debug)]
 pub struct GrowthOptions {
     /// Young's modulus (Pa) of the film: only loads and contact are measured against it.
@@ -45,16 +45,16 @@ pub struct GrowthOptions {
     /// Thickness of the film over λ: folds begin at the strain 6.6·share²/(1−ν²), which is what is
     /// missing of the asked length.
     pub thickness_share: f64,
-    /// How stiffly the foundation resists sliding, over its stiffness against offset.
+    /// Stiffness of the foundation against sliding, over its stiffness against offset.
     pub grip: f64,
     /// Size of the random imperfections from which folds begin, in wavelengths.
     pub imperfection: f64,
-    /// Chooses the imperfections.
+    /// Seed of the imperfections.
     pub seed: u64,
     /// Largest step of growth: the logarithm of a factor of length.
     pub largest_step: f64,
-    /// ε of 4.5: share of what is left between rest lengths and lengths that is forgotten after
-    /// each step.
+    /// ε of 4.5: share of the difference between lengths and rest lengths that becomes plastic
+    /// after each step.
     pub plasticity: f64,
     /// Newton iterations at most in each step.
     pub iteration_limit: usize,
@@ -104,14 +104,14 @@ impl GrowthOptions {
     }
 }
 
-/// How one step of growth went.
+/// Report on one load step.
 #[derive(Clone, Debug)]
 pub struct StepReport {
     /// Part of the growth (0 to 1) that was applied.
     pub part: f64,
     /// Newton iterations.
     pub iterations: usize,
-    /// Why they ended.
+    /// Reason for which they ended.
     pub ending: Ending,
     /// Largest force left on a vertex, in units of the force that starts folds on an edge.
     pub residual: f64,
@@ -121,7 +121,7 @@ pub struct StepReport {
     pub energy_joule: f64,
 }
 
-/// How a surface grew.
+/// Report on all load steps.
 #[derive(Clone, Debug)]
 pub struct GrowthReport {
     /// Every step.
@@ -132,87 +132,100 @@ pub struct GrowthReport {
     pub seconds: f64,
 }
 
+/// The load steps that are followed, and how each of them is solved.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadSteps<'a> {
+    /// Parts (0 to 1) of the growth, one after the other. They may fall again: 0 is the ungrown
+    /// surface.
+    pub parts: &'a [f64],
+    /// Options of every step.
+    pub options: &'a GrowthOptions,
+}
+
 /// The folded surface (`[V]`, m).
 ///
 /// # Errors
-/// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be; [`crate::Error::Numeric`] if a step has no finite energy.
+/// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be;
+/// [`crate::Error::Numeric`] if a step has no finite energy.
 pub fn grow(
-    growing: &Growing<'_>,
+    surface: &GrowingSurface,
     options: &GrowthOptions,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, GrowthReport)> {
-    grow_through(
-        growing,
-        &options.parts(growing.maps.most_growth()),
-        growing.start,
-        options,
-        observer,
-    )
+    let parts = options.parts(surface.maps.most_growth());
+    follow(surface, &surface.start, &LoadSteps { parts: &parts, options }, observer)
 }
 
-/// Goes through these `parts` of the growth, one after the other, from `pose` (`[V]`, m) on. Parts
-/// may fall again: 0 is the ungrown surface.
+/// Follows these load steps from `pose` (`[V]`, m) on.
 ///
 /// # Errors
 /// As [`grow`].
-pub fn grow_through(
-    growing: &Growing<'_>,
-    parts: &[f64],
+pub fn follow(
+    surface: &GrowingSurface,
     pose: &[Vec3],
-    options: &GrowthOptions,
+    steps: &LoadSteps<'_>,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, GrowthReport)> {
-    grow_each(growing, parts, pose, options, observer, &mut |_, _| Ok(()))
+    follow_each(surface, pose, steps, observer, &mut |_, _| Ok(()))
 }
 
-/// As [`grow_through`]; `each` is told of every step and the pose (`[V]`, m) that it led to.
+/// As [`follow`]; `each` is called with every step and the pose (`[V]`, m) that it led to.
 ///
 /// # Errors
 /// As [`grow`]; those of `each`.
-pub fn grow_each(
-    growing: &Growing<'_>,
-    parts: &[f64],
+pub fn follow_each(
+    surface: &GrowingSurface,
     pose: &[Vec3],
-    options: &GrowthOptions,
+    steps: &LoadSteps<'_>,
     observer: &dyn Observer,
     each: &mut dyn FnMut(&StepReport, &[Vec3]) -> Result<()>,
 ) -> Result<(Vec<Vec3>, GrowthReport)> {
     let begun = Instant::now();
-    growing.check()?;
-    let film = Prepared::new(growing, options, None)?;
-    let mut pose = pose.to_vec();
-    let mut plastic = vec![1.0; growing.topology.edge_count()];
-    let mut steps = Vec::new();
-    let choosing = choosing_part(growing, options);
-    let exactly = |n: usize, part: f64| n + 1 == parts.len() || part <= choosing;
+    let LoadSteps { parts, options } = *steps;
+    surface.check()?;
+    let film = FilmModel::new(surface, options, None)?;
+    let (whole, mut pose) = (surface.maps.expansion(), pose.to_vec());
+    let mut plastic = vec![1.0; surface.topology.edge_count()];
+    let mut reports = Vec::new();
+    let selection = pattern_selection_part(surface, options);
     for (n, &part) in parts.iter().enumerate() {
-        let expansion = growing.maps.expansion.part(part);
-        let kept = scale_edges(growing.topology, growing.rest, &plastic)?;
-        let grown = expansion.act_on(growing.topology, growing.start, &kept)?;
-        let effort =
-            if exactly(n, part) { Effort::exact(options) } else { Effort::of(options, PASSING) };
-        let report = film.settle(part, effort, &expansion, &grown, &mut pose, observer)?;
+        let expansion = whole.part(part);
+        let rest = scale_edges(&surface.topology, &surface.rest, &plastic)?;
+        let grown = expansion.act_on(&surface.topology, &surface.start, &rest)?;
+        let criteria = if n + 1 == parts.len() || part <= selection {
+            StopCriteria::full(options)
+        } else {
+            StopCriteria::loosened(options, INTERMEDIATE_TOLERANCE, INTERMEDIATE_ITERATIONS)
+        };
+        let step = LoadStep { part, criteria, expansion: &expansion, grown: &grown };
+        let report = film.equilibrate(&step, &mut pose, observer)?;
         let cancelled = report.ending == Ending::Cancelled;
         each(&report, &pose)?;
-        steps.push(report);
+        reports.push(report);
         if options.plasticity > 0.0 {
-            forget(growing.topology, &grown, &pose, options.plasticity, &mut plastic);
+            relax_rest_lengths(&surface.topology, &grown, &pose, options.plasticity, &mut plastic);
         }
         if cancelled {
             break;
         }
     }
-    let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
-    Ok((pose, GrowthReport { steps, asked, seconds: begun.elapsed().as_secs_f64() }))
+    let (asked, seconds) = (surface.asked()?, begun.elapsed().as_secs_f64());
+    Ok((pose, GrowthReport { steps: reports, asked, seconds }))
 }
 
 /// Part of the growth up to which the pattern of folds is chosen.
-pub(super) fn choosing_part(growing: &Growing<'_>, options: &GrowthOptions) -> f64 {
-    CHOOSING * options.onset() / growing.maps.most_growth().max(f64::MIN_POSITIVE)
+pub(super) fn pattern_selection_part(surface: &GrowingSurface, options: &GrowthOptions) -> f64 {
+    PATTERN_SELECTION * options.onset() / surface.maps.most_growth().max(f64::MIN_POSITIVE)
 }
 
 /// Plasticity (4.5): l₀ becomes (1 − ε)l₀ + εl, kept as a factor of each edge.
-fn forget(topology: &Topology, rest: &RestMetric, pose: &[Vec3], share: f64, factors: &mut [f64]) {
+fn relax_rest_lengths(
+    topology: &Topology,
+    rest: &RestMetric,
+    pose: &[Vec3],
+    share: f64,
+    factors: &mut [f64],
+) {
     for (f, face) in topology.faces.iter().enumerate() {
         let [u, v] = rest.faces[f].edges();
         let lengths = [u.norm(), (v - u).norm(), v.norm()];

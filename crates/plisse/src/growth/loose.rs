@@ -1,17 +1,17 @@
-//! Surfaces that nothing, or little, holds to their start: what is left of the foundation, and
-//! imperfections that push nowhere.
+//! Surfaces that no foundation, or little of it, holds to their start: the remaining share of the
+//! foundation, and imperfections whose forces are in equilibrium.
 //!
-//! On a foundation, imperfections are offsets at which it is at rest. Where there is none they are
-//! offsets w₀ at which *bending* is at rest: a plate that was never quite flat. Its energy ½|R(u −
-//! w₀N)|² differs from that of a flat one by the dead forces RᵀR·w₀N, which have neither a sum nor
-//! a moment, so that a free plate does not drift.
+//! On a foundation, imperfections are offsets at which it is at rest. Without one they are offsets
+//! w₀ at which *bending* is at rest: a plate that was never quite flat. Its energy ½|R(u − w₀N)|²
+//! differs from that of a flat one by the dead forces RᵀR·w₀N, which have neither a sum nor a
+//! moment, so that a free plate does not drift.
 
 use super::film::bending_rows;
 use crate::mesh::Vec3;
 use crate::shell::Setup;
 
-/// Share of the foundation that is left where `hold` is 0: too little to be seen, enough for a
-/// place and a direction in space.
+/// Share of the foundation where `hold` is 0 (no unit): too little to be seen, enough to fix place
+/// and direction in space.
 const LEAST: f64 = 1e-6;
 
 /// Share of the foundation where `hold` asks for this one.

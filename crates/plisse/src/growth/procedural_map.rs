@@ -1,6 +1,6 @@
-//! Maps made by procedures from the place on the starting surface, all of them seeded and the same
-//! on every machine: one number for each vertex (an amount of growth, a wavelength λ, a coherence
-//! length Λ, what is frozen, a bias, a stickiness) or a direction.
+//! Procedural maps: functions of the place on the starting surface, seeded and the same on every
+//! machine. They give one number for each vertex, such as an amount of growth or a wavelength λ, or
+//! a direction.
 
 use std::f64::consts::TAU;
 
@@ -11,17 +11,16 @@ use crate::{Error, Result};
 /// Octaves of fractal noise at most.
 const MOST_OCTAVES: usize = 16;
 
-/// Where a map is high (1) and where it is low (0). Borders are soft over a length (m): 0 cuts
-/// sharply.
+/// A map with values from 0 (low) to 1 (high). Borders are soft over a length (m): 0 cuts sharply.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProceduralMap {
     /// 1 everywhere.
     Uniform,
     /// From 0 at `from` to 1 at `to` (m) and beyond, linear between.
     Ramp {
-        /// Where it is 0 (m).
+        /// Point with the value 0 (m).
         from: Vec3,
-        /// Where it is 1 (m).
+        /// Point with the value 1 (m).
         to: Vec3,
     },
     /// 1 in the slab within half of `width_m` of the plane through `centre` with this normal.
@@ -32,7 +31,7 @@ pub enum ProceduralMap {
         normal: Vec3,
         /// Width (m).
         width_m: f64,
-        /// Over how much (m) it falls to 0 beyond the slab.
+        /// Length (m) over which it falls to 0 beyond the slab.
         soft_m: f64,
     },
     /// 1 within half of `width_m` of the circle of `radius_m` about the axis.
@@ -45,7 +44,7 @@ pub enum ProceduralMap {
         radius_m: f64,
         /// Width (m).
         width_m: f64,
-        /// Over how much (m) it falls to 0 beyond.
+        /// Length (m) over which it falls to 0 beyond.
         soft_m: f64,
     },
     /// 1 on the axis through `centre`, falling linearly to 0 at `radius_m`.
@@ -68,7 +67,7 @@ pub enum ProceduralMap {
     Noise {
         /// Size of one lump (m).
         size_m: f64,
-        /// Chooses the noise.
+        /// Seed.
         seed: u64,
     },
     /// Noise on ever smaller scales, each half as large and half as strong as the one before;
@@ -76,9 +75,9 @@ pub enum ProceduralMap {
     Fractal {
         /// Size of the largest lumps (m).
         size_m: f64,
-        /// How many scales.
+        /// Number of scales.
         octaves: usize,
-        /// Chooses the noise.
+        /// Seed.
         seed: u64,
     },
 }
@@ -193,7 +192,7 @@ impl ProceduralMap {
     }
 }
 
-/// In which direction the surface grows.
+/// Direction in which the surface grows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionField {
     /// The same everywhere.

@@ -1,6 +1,6 @@
 //! The reference mode: the forces (1)–(6) of [Combaz & Neyret 2002] with its smoothing kernel and
-//! sigmoid (4.4), integrated semi-implicitly. Kept because the paper's figures were made with it;
-//! [`super::load_stepping`] is the default.
+//! sigmoid (4.4), integrated semi-implicitly. It is kept because the paper's figures were made with
+//! it; [`super::load_stepping`] is the default.
 //!
 //! All forces are per unit of starting area and in units of the membrane's stiffness. With the
 //! curvature κ = −N·Δx (1/m, positive where the surface bulges out; κ₀ is that of the starting
@@ -18,39 +18,39 @@
 //! kernel. The forces are no gradient of an energy: there is nothing to search a line on, and the
 //! end is told by the largest force.
 //!
-//! What the forces can be expected to do: a small wave of wave number q grows by q²·(k_p·C_a·(1 −
+//! Linear analysis of the forces: a small wave of wave number q grows by q²·(k_p·C_a·(1 −
 //! νq²) − k_κ), most at q² = (1 − k_κ/k_pC_a)/2ν. So folds begin √2·λ apart or more, not λ, and the
 //! shape is at rest where κ* = 0 only if nothing else acts.
 
 use std::f64::consts::TAU;
 use web_time::Instant;
 
+use super::maps::GrowthAt;
 use super::procedural_map::roughness;
-use super::surface::Growing;
+use super::surface::GrowingSurface;
 use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::material::Material;
 use crate::mesh::normals::try_vertex_normals;
-use crate::mesh::{Mat2, Topology, Vec2, Vec3};
+use crate::mesh::{Mat2, Vec2, Vec3};
 use crate::progress::{Observer, Step};
 use crate::rest::RestMetric;
 use crate::shell::quadratic_bending::QuadraticBending;
 use crate::shell::tension_field::Membrane;
 use crate::{At, Error, Result};
 
-/// How the reference mode goes about it.
+/// Options of the reference mode.
 #[derive(Clone, Debug)]
 pub struct ReferenceOptions {
     /// k_p (no unit, times the membrane's stiffness over λ): how strongly folds are driven.
     pub folding: f64,
-    /// k_κ over k_p·λ/2π (no unit): what holds folds smooth, and what is missing of the asked
-    /// length.
+    /// k_κ over k_p·λ/2π (no unit): it keeps folds smooth, at the cost of length.
     pub smoothness: f64,
     /// Sharpness of the sigmoid.
     pub sharpness: f64,
     /// Size of the random part of k_pi, over k_p.
     pub imperfection: f64,
-    /// Chooses it.
+    /// Seed of the random part.
     pub seed: u64,
     /// Length of a step of time, in units of λ/k_p.
     pub time_step: f64,
@@ -78,7 +78,7 @@ impl Default for ReferenceOptions {
     }
 }
 
-/// How one level of growth went.
+/// Report on one level of growth.
 #[derive(Clone, Copy, Debug)]
 pub struct LevelReport {
     /// Part of the growth (0 to 1) that was applied.
@@ -87,22 +87,22 @@ pub struct LevelReport {
     pub iterations: usize,
     /// Largest force left, over k_p.
     pub residual: f64,
-    /// Whether that is below the tolerance.
+    /// True if the residual is below the tolerance.
     pub converged: bool,
 }
 
-/// How the reference mode went.
+/// Report of the reference mode.
 #[derive(Clone, Debug)]
 pub struct ReferenceReport {
     /// Every level of growth that was begun.
     pub levels: Vec<LevelReport>,
-    /// Whether it was told to stop before its end.
+    /// True if the observer cancelled it.
     pub cancelled: bool,
     /// Steps of time.
     pub iterations: usize,
     /// Largest force left, over k_p.
     pub residual: f64,
-    /// Whether that is below the tolerance.
+    /// True if the residual is below the tolerance.
     pub converged: bool,
     /// The rest metric that was asked for.
     pub asked: RestMetric,
@@ -114,58 +114,35 @@ pub struct ReferenceReport {
 /// obstacles are not in this mode.
 ///
 /// # Errors
-/// [`Error::Value`] if λ varies (its matrices take one), or loads or obstacles are given; [`Error::Numeric`] if it diverges.
+/// [`Error::Value`] if λ varies (its matrices take one), or loads or obstacles are given;
+/// [`Error::Numeric`] if it diverges.
 pub fn grow_by_forces(
-    growing: &Growing<'_>,
+    surface: &GrowingSurface,
     options: &ReferenceOptions,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, ReferenceReport)> {
-    grow_by_forces_each(growing, options, observer, &mut |_, _| Ok(()))
+    grow_by_forces_each(surface, options, observer, &mut |_, _| Ok(()))
 }
 
-/// As [`grow_by_forces`]; `each` is told of every level and the pose (`[V]`, m) that it led to.
+/// As [`grow_by_forces`]; `each` is called with every level and the pose (`[V]`, m) that it led to.
 ///
 /// # Errors
 /// As [`grow_by_forces`]; those of `each`.
 pub fn grow_by_forces_each(
-    growing: &Growing<'_>,
+    surface: &GrowingSurface,
     options: &ReferenceOptions,
     observer: &dyn Observer,
     each: &mut dyn FnMut(&LevelReport, &[Vec3]) -> Result<()>,
 ) -> Result<(Vec<Vec3>, ReferenceReport)> {
     let begun = Instant::now();
-    let wavelength_m = growing.maps.wavelength_m[0];
-    if growing.maps.wavelength_m.iter().any(|&w| w != wavelength_m) {
-        return Err(Error::value(
-            "growth.wavelength_m",
-            "the reference mode takes one for the whole surface; give a number, or use the other \
-             mode",
-        ));
-    }
-    if !growing.obstacles.is_empty()
-        || growing.loads != crate::shell::Loads::default()
-        || growing.maps.stickiness.iter().any(|&s| s != 0.0)
-    {
-        return Err(Error::value(
-            "growth.mode",
-            "the reference mode knows no loads, sticking or obstacles; remove them, or use the \
-             other mode",
-        ));
-    }
-    if growing.maps.hold.iter().any(|&hold| hold != 1.0) {
-        return Err(Error::value(
-            "growth.hold",
-            "the reference mode has no foundation; remove this, or use the other mode",
-        ));
-    }
-    let mut pose = growing.start.to_vec();
+    let wavelength_m = check(surface)?;
+    let (whole, mut pose) = (surface.maps.expansion(), surface.start.clone());
     let (mut iterations, mut residual, mut cancelled) = (0, 0.0, false);
     let mut levels = Vec::with_capacity(options.levels);
     for level in 1..=options.levels {
         let part = level as f64 / options.levels as f64;
-        let expansion = growing.maps.expansion.part(part);
-        let grown = expansion.act_on(growing.topology, growing.start, growing.rest)?;
-        let mut forces = Forces::new(growing, options, &grown, wavelength_m)?;
+        let grown = surface.grown_by(&whole.part(part))?;
+        let mut forces = Forces::new(surface, options, &grown, wavelength_m)?;
         let before = iterations;
         for _ in 0..options.iteration_limit {
             cancelled = observer.cancelled();
@@ -193,7 +170,7 @@ pub fn grow_by_forces_each(
             break;
         }
     }
-    let asked = growing.maps.expansion.act_on(growing.topology, growing.start, growing.rest)?;
+    let asked = surface.grown_by(&whole)?;
     let seconds = begun.elapsed().as_secs_f64();
     let converged = levels.last().is_none_or(|level| level.converged);
     Ok((
@@ -202,10 +179,40 @@ pub fn grow_by_forces_each(
     ))
 }
 
+/// Checks that this mode knows all that the surface asks for; returns λ (m).
+fn check(surface: &GrowingSurface) -> Result<f64> {
+    let at = &surface.maps.vertices;
+    let wavelength_m = at[0].wavelength_m;
+    if at.iter().any(|at| at.wavelength_m != wavelength_m) {
+        return Err(Error::value(
+            "growth.wavelength_m",
+            "the reference mode takes one for the whole surface; give a number, or use the other \
+             mode",
+        ));
+    }
+    if !surface.obstacles.is_empty()
+        || surface.loads != crate::shell::Loads::default()
+        || !at.iter().all(GrowthAt::is_symmetric)
+    {
+        return Err(Error::value(
+            "growth.mode",
+            "the reference mode knows no loads, sticking or obstacles; remove them, or use the \
+             other mode",
+        ));
+    }
+    if at.iter().any(|at| at.hold != 1.0) {
+        return Err(Error::value(
+            "growth.hold",
+            "the reference mode has no foundation; remove this, or use the other mode",
+        ));
+    }
+    Ok(wavelength_m)
+}
+
 /// The paper's forces at one level of growth.
-struct Forces<'a, 'b> {
-    growing: &'b Growing<'a>,
-    options: &'b ReferenceOptions,
+struct Forces<'a> {
+    surface: &'a GrowingSurface,
+    options: &'a ReferenceOptions,
     wavelength_m: f64,
     membranes: Vec<Membrane>,
     grown: RestMetric,
@@ -223,22 +230,22 @@ struct Forces<'a, 'b> {
     offset: Cholesky,
 }
 
-impl<'a, 'b> Forces<'a, 'b> {
+impl<'a> Forces<'a> {
     fn new(
-        growing: &'b Growing<'a>,
-        options: &'b ReferenceOptions,
+        surface: &'a GrowingSurface,
+        options: &'a ReferenceOptions,
         grown: &RestMetric,
         wavelength_m: f64,
     ) -> Result<Self> {
-        let (topology, start) = (growing.topology, growing.start);
+        let (topology, start) = (&surface.topology, &surface.start);
         // Membrane stiffness 1 N/m: the thickness is a formality.
         let material = Material::new(1.0, 0.0, 1.0)?;
-        let surface = RestMetric::from_shape(start, &topology.faces).at("growth")?;
+        let metric = RestMetric::from_shape(start, &topology.faces).at("growth")?;
         let mut area_m2 = vec![0.0; start.len()];
         let mut cell_m2 = vec![0.0; start.len()];
         for (f, face) in topology.faces.iter().enumerate() {
             for &v in face {
-                area_m2[v] += surface.faces[f].area_m2 / 3.0;
+                area_m2[v] += metric.faces[f].area_m2 / 3.0;
                 cell_m2[v] += grown.faces[f].area_m2 / 3.0;
             }
         }
@@ -250,7 +257,7 @@ impl<'a, 'b> Forces<'a, 'b> {
             row.iter_mut().for_each(|(_, c)| *c /= (stiffness * cell).sqrt());
         }
         let kernel: Vec<[[f64; 3]; 3]> =
-            (0..topology.face_count()).map(|f| kernel(growing, &surface, f)).collect();
+            (0..topology.face_count()).map(|f| kernel(surface, &metric, f)).collect();
         let push_k = options.folding / wavelength_m;
         let dt = options.time_step * wavelength_m / push_k;
 
@@ -272,7 +279,8 @@ impl<'a, 'b> Forces<'a, 'b> {
         for v in 0..start.len() {
             values[pattern.slot(v, v)] += area_m2[v] / dt;
         }
-        let frozen: Vec<bool> = growing.maps.frozen.iter().map(|f| *f == [true; 3]).collect();
+        let frozen: Vec<bool> =
+            surface.maps.vertices.iter().map(|at| at.frozen == [true; 3]).collect();
         let sliding = factorised(pattern, &values, &frozen)?;
 
         // Offset: mass/dt + Δᵀ(k_κ)… as squares of the Laplacian for the kernel and itself for the
@@ -284,7 +292,8 @@ impl<'a, 'b> Forces<'a, 'b> {
         let smooth = options.smoothness * push_k * wavelength_m / TAU;
         // The steepest that the sigmoid can answer to κ*, at a compression of a third.
         let reach =
-            growing.maps.coherence_m.iter().fold(wavelength_m, |most, &c| most.max(c)) / TAU;
+            surface.maps.vertices.iter().fold(wavelength_m, |most, at| most.max(at.coherence_m))
+                / TAU;
         let answer = push_k / 3.0 * options.sharpness * wavelength_m / TAU * reach * reach;
         for (v, row) in laplacian.iter().enumerate() {
             for (n, &(i, a)) in row.iter().enumerate() {
@@ -298,7 +307,7 @@ impl<'a, 'b> Forces<'a, 'b> {
             for k in 0..3 {
                 for l in 0..=k {
                     values[pattern.slot(face[k], face[l])] +=
-                        smooth * surface.faces[f].area_m2 * g[k].dot(&g[l]);
+                        smooth * metric.faces[f].area_m2 * g[k].dot(&g[l]);
                 }
             }
         }
@@ -308,13 +317,13 @@ impl<'a, 'b> Forces<'a, 'b> {
         let offset = factorised(pattern, &values, &frozen)?;
         let push = (0..start.len())
             .map(|v| {
-                growing.maps.bias[v]
+                surface.maps.vertices[v].bias
                     + options.imperfection
-                        * roughness(&growing.places[v], 0.5 * wavelength_m, options.seed)
+                        * roughness(&surface.places[v], 0.5 * wavelength_m, options.seed)
             })
             .collect();
         let mut forces = Self {
-            growing,
+            surface,
             options,
             wavelength_m,
             membranes: grown.faces.iter().map(|rest| Membrane::new(rest, &material, 1.0)).collect(),
@@ -345,7 +354,7 @@ impl<'a, 'b> Forces<'a, 'b> {
     /// `[V]` κ* = κ + L(κ) (1/m).
     fn smoothed(&self, curvature: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; curvature.len()];
-        for (face, kernel) in self.growing.topology.faces.iter().zip(&self.kernel) {
+        for (face, kernel) in self.surface.topology.faces.iter().zip(&self.kernel) {
             for k in 0..3 {
                 sum[face[k]] -= (0..3).map(|l| kernel[k][l] * curvature[face[l]]).sum::<f64>();
             }
@@ -355,7 +364,7 @@ impl<'a, 'b> Forces<'a, 'b> {
 
     /// One step of time; returns the largest force per area, over k_p.
     fn step(&mut self, pose: &mut [Vec3]) -> Result<f64> {
-        let topology: &Topology = self.growing.topology;
+        let topology = &self.surface.topology;
         let normals = try_vertex_normals(topology, pose).map_err(|_| {
             Error::numeric(
                 "grow",
@@ -390,7 +399,7 @@ impl<'a, 'b> Forces<'a, 'b> {
             let bending = -smooth * (curvature[v] - self.start_curvature[v][0]);
             let lift = normals[v].dot(&stretch[v]);
             stretch[v] -= normals[v] * lift;
-            let frozen = self.growing.maps.frozen[v];
+            let frozen = self.surface.maps.vertices[v].frozen;
             offset[v] =
                 if frozen == [true; 3] { 0.0 } else { (folding + bending) * self.area_m2[v] };
             for axis in 0..3 {
@@ -411,7 +420,7 @@ impl<'a, 'b> Forces<'a, 'b> {
         }
         for v in 0..n {
             let move_by = slid[v] - normals[v] * normals[v].dot(&slid[v]) + normals[v] * offset[v];
-            for axis in (0..3).filter(|&axis| !self.growing.maps.frozen[v][axis]) {
+            for axis in (0..3).filter(|&axis| !self.surface.maps.vertices[v].frozen[axis]) {
                 pose[v][axis] += move_by[axis];
             }
         }
@@ -439,33 +448,35 @@ fn factorised(pattern: SymmetricPattern, values: &[f64], fixed: &[bool]) -> Resu
     ))
 }
 
-/// Area times ∇φₖ·(ν_u·uuᵗ + ν_c·ccᵗ)·∇φₗ on face `f` of the starting surface, u along the growth.
-fn kernel(growing: &Growing<'_>, surface: &RestMetric, f: usize) -> [[f64; 3]; 3] {
-    let face = growing.topology.faces[f];
-    let [a, b, c] = face.map(|v| growing.start[v]);
+/// Area times ∇φₖ·(ν_u·uuᵗ + ν_c·ccᵗ)·∇φₗ on face `f` of the starting metric, u along the growth.
+fn kernel(surface: &GrowingSurface, metric: &RestMetric, f: usize) -> [[f64; 3]; 3] {
+    let face = surface.topology.faces[f];
+    let [a, b, c] = face.map(|v| surface.start[v]);
     let first = (b - a).normalize();
     let second = (b - a).cross(&(c - a)).normalize().cross(&first);
     let mut form = Mat2::zeros();
     for v in face {
-        let ([most, least], [along, across]) = growing.maps.expansion.vertices[v].principal();
+        let ([most, least], [along, across]) = surface.maps.vertices[v].growth.principal();
         let flat = |d: Vec3| Vec2::new(first.dot(&d), second.dot(&d));
         let (u, c) = (flat(along), flat(across));
         // Where all ways grow alike, no way is along the crests.
         let uneven = if most > 1.0 { 1.0 - (least.ln() / most.ln()).clamp(0.0, 1.0) } else { 0.0 };
-        let wave = growing.maps.wavelength_m[v] / TAU;
-        let coherence = wave + uneven * (growing.maps.coherence_m[v] / TAU - wave);
+        let wave = surface.maps.vertices[v].wavelength_m / TAU;
+        let coherence = wave + uneven * (surface.maps.vertices[v].coherence_m / TAU - wave);
         form += (u * u.transpose() * wave.powi(2) + c * c.transpose() * coherence.powi(2)) / 3.0;
     }
-    let g = surface.faces[f].barycentric_gradients();
+    let g = metric.faces[f].barycentric_gradients();
     std::array::from_fn(|k| {
-        std::array::from_fn(|l| surface.faces[f].area_m2 * g[k].dot(&(form * g[l])))
+        std::array::from_fn(|l| metric.faces[f].area_m2 * g[k].dot(&(form * g[l])))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::expansion::Expansion;
+    use super::super::maps::GrowthMaps;
     use super::*;
+    use crate::mesh::Topology;
     use crate::mesh::grid::{Diagonal, grid};
     use crate::progress::Silent;
 
@@ -478,18 +489,19 @@ mod tests {
         (topology, rest, start)
     }
 
-    fn growing<'a>(
-        (topology, rest, start): &'a (Topology, RestMetric, Vec<Vec3>),
+    fn growing(
+        (topology, rest, start): &(Topology, RestMetric, Vec<Vec3>),
         growth: f64,
-    ) -> Growing<'a> {
+    ) -> GrowingSurface {
         let n = start.len();
         let expansion =
             Expansion::from_directions(topology, start, &vec![Vec3::x(); n], &vec![growth; n])
                 .unwrap();
-        let mut growing = Growing::new(topology, rest, start, expansion, 0.25, 0.25);
+        let maps = GrowthMaps::even(&expansion, 0.25, 0.25);
+        let mut surface = GrowingSurface::new(topology.clone(), rest.clone(), start.clone(), maps);
         let boundary = topology.boundary_vertices();
-        growing.freeze(|v, _| boundary[v]);
-        growing
+        surface.freeze(|v, _| boundary[v]);
+        surface
     }
 
     #[test]

@@ -1,13 +1,15 @@
-//! Rigid bands: sets of vertices that move as one.
+//! Rigid bands: sets of vertices that move as rigid bodies.
 //!
-//! A band is an affine body (Lan et al. 2022, *Affine Body Dynamics*): with p the place of a vertex
-//! about the band's centre, over the band's size, all its displacements are D·p + t, with twelve
-//! unknowns in place of three for each vertex. D is linear in them, so that what is quadratic in
-//! the displacements stays so; K·‖FᵀF − I‖² with F = I + D·(unit/size) and a large K keeps it a
-//! rotation, and what is read off in the end is the nearest rotation exactly.
+//! A band is an affine body (Lan et al. 2022, *Affine AffineBody Dynamics*): with p the place of a
+//! vertex about the band's centre, over the band's size, all its displacements are D·p + t, with
+//! twelve unknowns in place of three for each vertex. D is linear in them, so that energies that
+//! are quadratic in the displacements stay quadratic. The energy K·‖FᵀF − I‖² with F = I +
+//! D·(unit/size) and a large K keeps F close to a rotation; in the end it is replaced by the
+//! nearest one.
 
 use nalgebra::SMatrix;
 
+use super::maps::GrowthAt;
 use crate::linalg::IndexBlocks;
 use crate::linalg::psd_projection::project_to_psd;
 use crate::linalg::sparse::SymmetricPattern;
@@ -15,14 +17,14 @@ use crate::linalg::{Problem, PsdProjection};
 use crate::mesh::{Mat3, NONE, Vec3};
 use crate::{Error, Result};
 
-/// How much stiffer a band is than a sheet of its size would be.
-const STIFFER: f64 = 1e4;
+/// Stiffness K of a band over that of a sheet of its area (no unit): large enough to keep it rigid.
+const STIFFNESS_RATIO: f64 = 1e4;
 /// Unknowns of a band: D row by row, then t.
 const UNKNOWNS: usize = 12;
 
-/// Vertices that move as one.
+/// A set of vertices that move together, with an affine map as its unknowns.
 #[derive(Clone, Debug)]
-struct Body {
+pub(super) struct AffineBody {
     vertices: Vec<usize>,
     /// Mean of the starting places (m).
     centre: Vec3,
@@ -34,7 +36,7 @@ struct Body {
     first: usize,
 }
 
-impl Body {
+impl AffineBody {
     /// Unknowns of the nearest rigid motion of the band to `pose` (`[V]`, m), in units of
     /// `length_m`.
     fn fit(&self, start: &[Vec3], pose: &[Vec3], length_m: f64) -> [f64; UNKNOWNS] {
@@ -91,18 +93,20 @@ fn nearest_rotation(m: &Mat3) -> Mat3 {
     u * mirror * v
 }
 
-/// A problem in which some vertices move as one: y ↦ x = S·y.
-pub(super) struct Banded<P> {
+/// A problem whose bands move as affine bodies: its unknowns y give those of the inner one, x =
+/// S·y.
+pub(super) struct RigidBands<P> {
     inner: P,
-    bodies: Vec<Body>,
+    bodies: Vec<AffineBody>,
     length_m: f64,
-    /// `[inner size]` its unknown of y, or [`NONE`] for one of a body.
+    /// `[inner size]` number of each free unknown in y, or [`NONE`] for one of a body.
     free: Vec<usize>,
-    /// `[inner size]` for one of a body: the body, the axis, and the weights of D's row and of t.
+    /// `[inner size]` for an unknown of a body: the body, the axis, and the weights of D's row and
+    /// of t.
     carried: Vec<Option<(usize, usize, [f64; 4])>>,
     free_size: usize,
     pattern: SymmetricPattern,
-    /// From a value of the inner Hessian to one of the outer: slots and factor.
+    /// Contributions of inner to outer Hessian values: both slots and a factor.
     scatter: Vec<(u32, u32, f64)>,
     inner_x: Vec<f64>,
     inner_gradient: Vec<f64>,
@@ -110,79 +114,86 @@ pub(super) struct Banded<P> {
     x: Vec<f64>,
 }
 
-/// The vertices of bands, checked.
+/// Checks the vertices of bands.
 ///
 /// # Errors
-/// [`Error::Value`] naming the band that is empty, or the vertex that is also frozen or in another band.
-pub(super) fn check_bands(bands: &[Vec<usize>], frozen: &[[bool; 3]]) -> Result<()> {
-    let mut of = vec![NONE; frozen.len()];
+/// [`Error::Value`] naming the band that is empty, or the vertex that is also frozen or in another
+/// band.
+pub(super) fn check_bands(bands: &[Vec<usize>], vertices: &[GrowthAt]) -> Result<()> {
+    let mut band_of = vec![NONE; vertices.len()];
     for (b, band) in bands.iter().enumerate() {
         let place = format!("growth.band[{b}]");
         if band.is_empty() {
             return Err(Error::value(place, "it holds no vertex; let it reach over some"));
         }
         for &v in band {
-            if v >= frozen.len() {
+            if v >= vertices.len() {
                 return Err(Error::value(
                     place,
-                    format!("it names vertex {v} of {}; name those there are", frozen.len()),
+                    format!("it names vertex {v} of {}; name those there are", vertices.len()),
                 ));
             }
-            if frozen[v].contains(&true) {
+            if vertices[v].frozen.contains(&true) {
                 return Err(Error::value(
                     place,
                     format!("vertex {v} is frozen and in the band; let it be one of them"),
                 ));
             }
-            if of[v] != NONE {
+            if band_of[v] != NONE {
                 let message = format!(
                     "vertex {v} is in band {} too; let bands keep apart, or make them one",
-                    of[v]
+                    band_of[v]
                 );
                 return Err(Error::value(place, message));
             }
-            of[v] = b;
+            band_of[v] = b;
         }
     }
     Ok(())
 }
 
-impl<P: Problem> Banded<P> {
-    /// `inner` with its `bands` held together; `unknown` (`[V][3]`) are its unknowns, displacements
-    /// in units of `length_m` from `start`. `area_m2` (`[V]`) is each vertex's area.
+/// The affine bodies of `bands` that start at `start` (`[V]`, m); `area_m2` (`[V]`) is each
+/// vertex's area, `length_m` the unit of the unknowns.
+pub(super) fn affine_bodies(
+    bands: &[Vec<usize>],
+    start: &[Vec3],
+    area_m2: &[f64],
+    length_m: f64,
+) -> Vec<AffineBody> {
+    let of_band = |band: &Vec<usize>| {
+        let centre = band.iter().map(|&v| start[v]).sum::<Vec3>() / band.len() as f64;
+        let size_m = band
+            .iter()
+            .map(|&v| (start[v] - centre).norm())
+            .fold(0.0, f64::max)
+            .max(f64::MIN_POSITIVE.sqrt());
+        let area: f64 = band.iter().map(|&v| area_m2[v]).sum();
+        let stiffness = STIFFNESS_RATIO * area / (length_m * length_m);
+        AffineBody { vertices: band.clone(), centre, size_m, stiffness, first: 0 }
+    };
+    bands.iter().map(of_band).collect()
+}
+
+impl<P: Problem> RigidBands<P> {
+    /// `inner` with its `bodies` held together; `unknown` (`[V][3]`) are its unknowns,
+    /// displacements in units of `length_m` from `start` (`[V]`, m).
     pub(super) fn new(
         inner: P,
-        bands: &[Vec<usize>],
+        mut bodies: Vec<AffineBody>,
         unknown: &[[usize; 3]],
         start: &[Vec3],
-        area_m2: &[f64],
         length_m: f64,
     ) -> Self {
         let inner_pattern = inner.pattern();
         let size = inner_pattern.size();
         let mut carried = vec![None; size];
-        let mut bodies: Vec<Body> = Vec::new();
-        for (b, band) in bands.iter().enumerate() {
-            let centre = band.iter().map(|&v| start[v]).sum::<Vec3>() / band.len() as f64;
-            let size_m = band
-                .iter()
-                .map(|&v| (start[v] - centre).norm())
-                .fold(0.0, f64::max)
-                .max(f64::MIN_POSITIVE.sqrt());
-            let area: f64 = band.iter().map(|&v| area_m2[v]).sum();
-            for &v in band {
-                let p = (start[v] - centre) / size_m;
+        for (b, body) in bodies.iter().enumerate() {
+            for &v in &body.vertices {
+                let p = (start[v] - body.centre) / body.size_m;
                 for axis in 0..3 {
                     carried[unknown[v][axis]] = Some((b, axis, [p.x, p.y, p.z, 1.0]));
                 }
             }
-            bodies.push(Body {
-                vertices: band.clone(),
-                centre,
-                size_m,
-                stiffness: STIFFER * area / (length_m * length_m),
-                first: 0,
-            });
         }
         let mut free_size = 0;
         let free = carried
@@ -198,7 +209,7 @@ impl<P: Problem> Banded<P> {
         for (b, body) in bodies.iter_mut().enumerate() {
             body.first = free_size + UNKNOWNS * b;
         }
-        let mut banded = Self {
+        let mut problem = Self {
             inner,
             bodies,
             length_m,
@@ -212,8 +223,8 @@ impl<P: Problem> Banded<P> {
             inner_values: Vec::new(),
             x: Vec::new(),
         };
-        banded.couple(&inner_pattern);
-        banded
+        problem.build_pattern(&inner_pattern);
+        problem
     }
 
     /// The problem inside.
@@ -226,7 +237,7 @@ impl<P: Problem> Banded<P> {
     }
 
     /// Unknowns and weights that make up the inner unknown `i`.
-    fn made_of(&self, i: usize) -> ([(usize, f64); 4], usize) {
+    fn combination(&self, i: usize) -> ([(usize, f64); 4], usize) {
         match self.carried[i] {
             None => ([(self.free[i], 1.0); 4], 1),
             Some((b, axis, weights)) => {
@@ -241,17 +252,17 @@ impl<P: Problem> Banded<P> {
         }
     }
 
-    /// The outer pattern, and where each inner value goes. Free unknowns keep their order; those of
-    /// bodies come last.
-    fn couple(&mut self, inner: &SymmetricPattern) {
+    /// Builds the outer pattern, and the contributions of inner values to it. Free unknowns keep
+    /// their order; those of bodies come last.
+    fn build_pattern(&mut self, inner: &SymmetricPattern) {
         let size = self.size();
         let mut lists: Vec<Vec<usize>> = vec![Vec::new(); size];
         let each = |visit: &mut dyn FnMut(usize, usize, usize, f64)| {
             for column in 0..inner.size() {
-                let (own, own_count) = self.made_of(column);
+                let (own, own_count) = self.combination(column);
                 for slot in inner.columns[column]..inner.columns[column + 1] {
                     let row = inner.rows[slot];
-                    let (other, other_count) = self.made_of(row);
+                    let (other, other_count) = self.combination(row);
                     for (m, &(u, a)) in own[..own_count].iter().enumerate() {
                         for (n, &(w, b)) in other[..other_count].iter().enumerate() {
                             if row != column {
@@ -287,18 +298,18 @@ impl<P: Problem> Banded<P> {
         self.inner_values.resize(inner.entry_count(), 0.0);
     }
 
-    /// x of `y`, into [`Banded::inner_x`].
-    fn take(&mut self, y: &[f64]) {
+    /// Sets the inner unknowns to x = S·`y`.
+    fn set_state(&mut self, y: &[f64]) {
         let mut x = std::mem::take(&mut self.inner_x);
-        self.spread(y, &mut x);
+        self.expand(y, &mut x);
         self.inner_x = x;
         self.x.clear();
         self.x.extend_from_slice(y);
     }
 
-    fn spread(&self, y: &[f64], x: &mut [f64]) {
+    fn expand(&self, y: &[f64], x: &mut [f64]) {
         for (i, x) in x.iter_mut().enumerate() {
-            let (parts, count) = self.made_of(i);
+            let (parts, count) = self.combination(i);
             *x = parts[..count].iter().map(|&(u, weight)| weight * y[u]).sum();
         }
     }
@@ -326,7 +337,7 @@ impl<P: Problem> Banded<P> {
     /// x of `y`.
     pub(super) fn unpack(&self, y: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.free.len()];
-        self.spread(y, &mut x);
+        self.expand(y, &mut x);
         x
     }
 
@@ -344,7 +355,7 @@ impl<P: Problem> Banded<P> {
     }
 }
 
-impl<P: Problem> Problem for Banded<P> {
+impl<P: Problem> Problem for RigidBands<P> {
     fn pattern(&self) -> SymmetricPattern {
         self.pattern.clone()
     }
@@ -386,16 +397,16 @@ impl<P: Problem> Problem for Banded<P> {
     }
 
     fn energy(&mut self, y: &[f64]) -> f64 {
-        self.take(y);
+        self.set_state(y);
         self.inner.energy(&self.inner_x) + self.rigidity(y)
     }
 
     fn value_and_gradient(&mut self, y: &[f64], gradient: &mut [f64]) -> f64 {
-        self.take(y);
+        self.set_state(y);
         let energy = self.inner.value_and_gradient(&self.inner_x, &mut self.inner_gradient);
         gradient.fill(0.0);
         for (i, slope) in self.inner_gradient.iter().enumerate() {
-            let (parts, count) = self.made_of(i);
+            let (parts, count) = self.combination(i);
             parts[..count].iter().for_each(|&(u, weight)| gradient[u] += weight * slope);
         }
         for body in &self.bodies {
@@ -407,13 +418,13 @@ impl<P: Problem> Problem for Banded<P> {
 
     fn max_step_size(&mut self, _: &[f64], direction: &[f64]) -> f64 {
         let mut moved = vec![0.0; self.free.len()];
-        self.spread(direction, &mut moved);
+        self.expand(direction, &mut moved);
         self.inner.max_step_size(&self.inner_x, &moved)
     }
 
     fn new_sparsity(&mut self) -> Option<SymmetricPattern> {
         let inner = self.inner.new_sparsity()?;
-        self.couple(&inner);
+        self.build_pattern(&inner);
         Some(self.pattern.clone())
     }
 
@@ -438,8 +449,10 @@ impl<P: Problem> Problem for Banded<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::growth::expansion::GrowthTensor;
     use crate::linalg::derivative_check::check_problem;
     use crate::linalg::newton::{Options, minimise};
+    use crate::mesh::Mat2;
     use crate::progress::Silent;
     use crate::random::Random;
 
@@ -503,19 +516,18 @@ mod tests {
         }
     }
 
-    fn some(n: usize) -> (Banded<Springs>, Vec<Vec3>) {
+    fn some(n: usize) -> (RigidBands<Springs>, Vec<Vec3>) {
         let mut random = Random(2);
         let mut place = || Vec3::new(random.unit(), random.unit(), random.unit());
         let (start, places): (Vec<Vec3>, Vec<Vec3>) = (0..n).map(|_| (place(), place())).unzip();
         let unknown: Vec<[usize; 3]> = (0..n).map(|v| [3 * v, 3 * v + 1, 3 * v + 2]).collect();
         let bands = [vec![1, 4, 5, 7], vec![0, 3, 8]];
         (
-            Banded::new(
+            RigidBands::new(
                 Springs { places, here: vec![0.0; 3 * n] },
-                &bands,
+                affine_bodies(&bands, &start, &vec![1e-4; n], 1.5),
                 &unknown,
                 &start,
-                &vec![1e-4; n],
                 1.5,
             ),
             start,
@@ -602,10 +614,11 @@ mod tests {
 
     #[test]
     fn bands_that_cannot_be_are_named() {
-        let free = vec![[false; 3]; 4];
+        let growth = GrowthTensor { along: Vec3::x(), across: Vec3::y(), form: Mat2::identity() };
+        let free = vec![GrowthAt::new(growth, 1.0); 4];
         assert!(check_bands(&[vec![0, 1], vec![2]], &free).is_ok());
         let mut frozen = free.clone();
-        frozen[1][2] = true;
+        frozen[1].frozen[2] = true;
         for (bands, frozen, word) in [
             (vec![vec![]], &free, "no vertex"),
             (vec![vec![0, 9]], &free, "vertex 9"),

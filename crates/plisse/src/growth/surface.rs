@@ -1,4 +1,6 @@
-//! A surface that is to grow: all that is asked of it, and whether that can be.
+//! Growing surface: mesh, rest metric, growth maps and everything that acts on it.
+
+use std::sync::Arc;
 
 use super::expansion::Expansion;
 use super::maps::GrowthMaps;
@@ -12,71 +14,78 @@ use crate::{Error, Result};
 /// Fewest edges that must fit into a wavelength.
 const LEAST_EDGES: f64 = 3.5;
 
-/// A surface that is to grow, and what it has to put up with.
+/// Growth factor (length) up to which a vertex counts as one that does not grow.
+const NO_GROWTH: f64 = 1.0 + 1e-9;
+
+/// A surface that is to grow.
 #[derive(Clone, Debug)]
-pub struct Growing<'a> {
+pub struct GrowingSurface {
     /// Connectivity.
-    pub topology: &'a Topology,
+    pub topology: Topology,
     /// `[F]` rest metric before growth.
-    pub rest: &'a RestMetric,
+    pub rest: RestMetric,
     /// `[V]` the starting surface (m), smooth, over which the folds lie.
-    pub start: &'a [Vec3],
+    pub start: Vec<Vec3>,
     /// `[V]` places (m) from which imperfections are drawn: the starting surface, or its rest
     /// shape, so that they move with it.
     pub places: Vec<Vec3>,
-    /// How each vertex grows, and folds while it does.
+    /// Growth, and the properties of folds, at each vertex.
     pub maps: GrowthMaps,
-    /// What pushes.
+    /// Loads.
     pub loads: Loads,
     /// Bodies that no vertex enters.
-    pub obstacles: &'a [Obstacle],
+    pub obstacles: Arc<[Obstacle]>,
     /// Distance (m) from an obstacle within which it pushes back.
     pub contact_thickness_m: f64,
-    /// Whether folds keep from passing through each other, about the film's thickness apart.
+    /// True if folds are kept from passing through each other, about the film's thickness apart.
     pub self_contact: bool,
 }
 
-impl<'a> Growing<'a> {
-    /// A free surface with the same λ and Λ (m) everywhere, without bias, sticking, loads or
-    /// obstacles.
-    pub fn new(
-        topology: &'a Topology,
-        rest: &'a RestMetric,
-        start: &'a [Vec3],
-        expansion: Expansion,
-        wavelength_m: f64,
-        coherence_m: f64,
-    ) -> Self {
-        Self::with(topology, rest, start, GrowthMaps::even(expansion, wavelength_m, coherence_m))
-    }
-
-    /// A surface with these maps, without loads or obstacles, kept from passing through itself.
-    pub fn with(
-        topology: &'a Topology,
-        rest: &'a RestMetric,
-        start: &'a [Vec3],
-        maps: GrowthMaps,
-    ) -> Self {
+impl GrowingSurface {
+    /// A surface that starts at `start` (`[V]`, m), without loads or obstacles, kept from passing
+    /// through itself.
+    pub fn new(topology: Topology, rest: RestMetric, start: Vec<Vec3>, maps: GrowthMaps) -> Self {
         Self {
             topology,
             rest,
+            places: start.clone(),
             start,
-            places: start.to_vec(),
             maps,
             loads: Loads::default(),
-            obstacles: &[],
+            obstacles: Arc::new([]),
             contact_thickness_m: 1e-3,
             self_contact: true,
         }
     }
 
-    /// Freezes all axes of the vertices for which `choose` (vertex, place in m) says so.
+    /// Freezes all axes of the vertices that `choose` (vertex, place in m) selects.
     pub fn freeze(&mut self, choose: impl Fn(usize, &Vec3) -> bool) {
-        for (v, frozen) in self.maps.frozen.iter_mut().enumerate() {
+        for (v, at) in self.maps.vertices.iter_mut().enumerate() {
             if choose(v, &self.start[v]) {
-                *frozen = [true; 3];
+                at.frozen = [true; 3];
             }
         }
+    }
+
+    /// `[F]` the rest metric grown by `expansion`.
+    ///
+    /// # Errors
+    /// As [`Expansion::act_on`].
+    pub fn grown_by(&self, expansion: &Expansion) -> Result<RestMetric> {
+        expansion.act_on(&self.topology, &self.start, &self.rest)
+    }
+
+    /// `[F]` the rest metric that is asked for: all of the growth.
+    ///
+    /// # Errors
+    /// As [`Expansion::act_on`].
+    pub fn asked(&self) -> Result<RestMetric> {
+        self.grown_by(&self.maps.expansion())
+    }
+
+    /// Wavelength λ (m) of a face: the mean over its corners.
+    pub(super) fn face_wavelength_m(&self, face: &[usize; 3]) -> f64 {
+        face.iter().map(|&v| self.maps.vertices[v].wavelength_m).sum::<f64>() / 3.0
     }
 
     /// Mean length (m) of the edges of the starting surface.
@@ -91,8 +100,8 @@ impl<'a> Growing<'a> {
     fn side_across_folds_m(&self, f: usize) -> f64 {
         let face = self.topology.faces[f];
         let across = |v: usize, side: &Vec3| {
-            let ([most, least], [along, _]) = self.maps.expansion.vertices[v].principal();
-            if most <= 1.0 + 1e-9 {
+            let ([most, least], [along, _]) = self.maps.vertices[v].growth.principal();
+            if most <= NO_GROWTH {
                 return 0.0;
             }
             // Where it grows all ways alike, folds may run any way.
@@ -104,22 +113,23 @@ impl<'a> Growing<'a> {
         (0..9).map(|n| across(face[n / 3], &side(n % 3))).fold(0.0, f64::max)
     }
 
-    /// Whether it can grow at all; [`super::grow`] asks this first.
+    /// Checks that the surface can grow; [`super::grow`] asks this first.
     ///
     /// # Errors
-    /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too large for its folds, or if all is frozen;
-    /// [`Error::Mesh`] naming a vertex that starts in an obstacle, or two faces that cross.
+    /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or a face too
+    /// large for its folds, or if everything is frozen; [`Error::Mesh`] naming a vertex that starts
+    /// in an obstacle, or two faces that cross.
     pub fn check(&self) -> Result<()> {
         self.check_start()?;
-        self.check_painted()
+        self.check_resolution()
     }
 
-    /// Whether what is painted on the surface can be.
-    pub(super) fn check_painted(&self) -> Result<()> {
+    /// As [`GrowingSurface::check_maps`]; also checks that faces are small enough for their folds.
+    pub(super) fn check_resolution(&self) -> Result<()> {
         self.check_maps()?;
         for (f, face) in self.topology.faces.iter().enumerate() {
             let side_m = self.side_across_folds_m(f);
-            let wavelength = face.iter().map(|&v| self.maps.wavelength_m[v]).sum::<f64>() / 3.0;
+            let wavelength = self.face_wavelength_m(face);
             if wavelength < LEAST_EDGES * side_m {
                 let message = format!(
                     "folds {wavelength:.3e} m apart need edges of {:.3e} m or less across them, \
@@ -133,12 +143,12 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// Whether the starting surface crosses itself where it must not.
+    /// Checks that the starting surface does not cross itself where it must not.
     pub(super) fn check_start(&self) -> Result<()> {
         if !self.self_contact {
             return Ok(());
         }
-        if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, self.start).first() {
+        if let Some(&[f, g]) = crossing_pairs(&self.topology.faces, &self.start).first() {
             let message = format!(
                 "faces {f} and {g} of the starting surface cross; part them, or set \
                  growth.self_contact = false"
@@ -148,7 +158,7 @@ impl<'a> Growing<'a> {
         Ok(())
     }
 
-    /// As [`Growing::check_painted`], but faces may be of any size.
+    /// Checks the maps, and that no vertex starts in an obstacle.
     pub(super) fn check_maps(&self) -> Result<()> {
         let n = self.topology.vertex_count;
         self.maps.check(n)?;

@@ -1,8 +1,9 @@
 //! Numerical ground floor, without any geometry: symmetric sparse matrices assembled from elements
 //! ([`sparse`], `vertex_pattern`), their Cholesky factorisation with a symbolic analysis that is
 //! made once ([`cholesky`]), bound-constrained Newton ([`newton`] on a [`problem`]), projection of
-//! element Hessians to positive semidefinite ones (`psd_projection`), closest integer vectors
-//! ([`lattice`]), and derivative checks for tests (`derivative_check`).
+//! element Hessians to positive semidefinite ones (`psd_projection`), parallel sums in a fixed
+//! order (`ordered_sum`), closest integer vectors ([`lattice`]), and derivative checks for tests
+//! (`derivative_check`).
 //!
 //! Factorisation: `ordering` (over `nested_dissection`, with its `separator`s of a `graph`),
 //! `symbolic` analysis, `assembly` of fronts, and `multifrontal` elimination of each
@@ -23,6 +24,7 @@ mod multifrontal;
 mod nested_dissection;
 pub mod newton;
 mod newton_direction;
+pub(crate) mod ordered_sum;
 mod ordering;
 pub mod problem;
 pub(crate) mod psd_projection;

@@ -92,6 +92,18 @@ pub enum Ending {
     Cancelled,
 }
 
+impl Ending {
+    /// A few words for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::RoundOff => "converged to rounding",
+            Self::IterationLimit => "iteration limit reached",
+            Self::Cancelled => "interrupted",
+        }
+    }
+}
+
 /// The end of a minimisation.
 #[derive(Clone, Debug)]
 pub struct Outcome {

@@ -1,19 +1,18 @@
-//! A vertex taken out by drawing it onto a neighbour.
+//! Edge collapse: a vertex is taken out by drawing it onto a neighbour.
 
 use super::patch::{Fan, Patch, flat_angle};
 use super::unfold;
 use crate::mesh::Vec2;
 use crate::rest::RestFace;
 
-/// How far (rad) from straight the boundary may be, at rest, where a vertex is taken out of it.
+/// Largest angle (rad) from straight of the boundary, at rest, where a vertex is taken out of it.
 const STRAIGHT: f64 = 1e-6;
-/// How much shorter, relatively, the boundary may become in space where a vertex is taken out of
-/// it.
+/// Largest relative loss of length of the boundary in space where a vertex is taken out of it.
 const BOUNDARY_LOSS: f64 = 1e-12;
 /// Least ratio of height to base of a new face at rest.
 const FLATTEST: f64 = 0.02;
 
-/// What a collapse may do.
+/// Limits of a collapse.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tolerances {
     /// Most (rad) by which angles around the vertex may differ from a flat vertex's, at rest.
@@ -39,9 +38,9 @@ impl Patch {
     /// not blended. Returns the change of the rest area (m²). `fits` (end, length in m) says
     /// whether a new edge from `u` may be.
     ///
-    /// The faces around `v` are laid flat together at rest. Where they do not quite close, their
-    /// angles are scaled alike, the least stretch there is that keeps the spokes; outer sides keep
-    /// their lengths exactly, so no face outside notices.
+    /// The faces around `v` are unfolded together at rest. Where they do not quite close, their
+    /// angles are scaled alike, the least stretch that keeps the spokes; outer sides keep their
+    /// lengths exactly, so faces outside do not change.
     ///
     /// None, and nothing happens: if `v` is frozen, on a seam or beside inactive faces; if it is on
     /// the boundary, but not within a straight stretch to `u`; if it is not flat at rest within
@@ -60,14 +59,14 @@ impl Patch {
             return None;
         }
         for &(f, k, metric) in &plan.kept {
-            self.sheet.faces[f][k] = u;
-            self.sheet.rest[f] = metric;
+            self.mesh.faces[f][k] = u;
+            self.mesh.rest[f] = metric;
             self.changed[f] = true;
             self.around[u].push(f);
         }
         for &f in &plan.gone {
             self.dead[f] = true;
-            for w in self.sheet.faces[f] {
+            for w in self.mesh.faces[f] {
                 self.detach(f, w);
             }
         }
@@ -77,7 +76,7 @@ impl Patch {
     }
 
     fn plan(&self, v: usize, u: usize, tolerances: Tolerances) -> Option<Plan> {
-        if self.sheet.frozen[v] != [false; 3] || self.around[v].iter().any(|&f| !self.active[f]) {
+        if self.mesh.frozen[v] != [false; 3] || self.around[v].iter().any(|&f| !self.active[f]) {
             return None;
         }
         let fan = self.fan(v)?;
@@ -96,13 +95,13 @@ impl Patch {
         let spoke = |i: usize| {
             let next = (0..n).find(|&s| beside(s) && (rim[s] == rim[i] || rim[s + 1] == rim[i]));
             match next {
-                Some(s) => unfold::side(&self.sheet.rest[fan.faces[s].0], (fan.faces[s].1 + 1) % 3),
+                Some(s) => unfold::side(&self.mesh.rest[fan.faces[s].0], (fan.faces[s].1 + 1) % 3),
                 None => (places[i] - places[at_u]).norm(),
             }
         };
         let (mut old, mut new) = (Vec::new(), Vec::new());
         for (i, &(f, k)) in fan.faces.iter().enumerate() {
-            let face = &self.sheet.rest[f];
+            let face = &self.mesh.rest[f];
             plan.area_change_m2 -= face.area_m2;
             if beside(i) {
                 plan.gone.push(f);
@@ -117,7 +116,7 @@ impl Patch {
             plan.area_change_m2 += turned.area_m2;
             let metric = turn(&turned, k);
             plan.kept.push((f, k, metric));
-            let corners = self.sheet.faces[f];
+            let corners = self.mesh.faces[f];
             let mut moved = corners;
             moved[k] = u;
             if self.would_freeze(&moved) {
@@ -138,18 +137,18 @@ impl Patch {
     /// Vertices around the fan in order: one more than faces; a closed rim ends with its first
     /// vertex.
     fn rim(&self, fan: &Fan) -> Vec<usize> {
-        let next = |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 1) % 3];
+        let next = |&(f, k): &(usize, usize)| self.mesh.faces[f][(k + 1) % 3];
         let mut rim: Vec<usize> = fan.faces.iter().map(next).collect();
-        rim.extend(fan.faces.last().map(|&(f, k)| self.sheet.faces[f][(k + 2) % 3]));
+        rim.extend(fan.faces.last().map(|&(f, k)| self.mesh.faces[f][(k + 2) % 3]));
         rim
     }
 
-    /// Whether nothing but flatness speaks against drawing `v` onto `u`: seams, boundary, and
-    /// whether the result is a manifold.
+    /// True if drawing `v` onto `u` is allowed but for flatness: it keeps seams and boundary, and
+    /// the result is a manifold (link condition).
     fn may_join(&self, v: usize, u: usize, fan: &Fan, rim: &[usize]) -> bool {
         let n = fan.faces.len();
         if fan.faces.iter().any(|&(f, k)| {
-            self.is_seam(&self.edge_faces(v, self.sheet.faces[f][(k + 1) % 3])) || !self.active[f]
+            self.is_seam(&self.edge_faces(v, self.mesh.faces[f][(k + 1) % 3])) || !self.active[f]
         }) {
             return false;
         }
@@ -162,7 +161,7 @@ impl Patch {
             if u != begin && u != end {
                 return false;
             }
-            let straight = [&self.sheet.positions, &self.sheet.start].into_iter().all(|places| {
+            let straight = [&self.mesh.positions, &self.mesh.start].into_iter().all(|places| {
                 let (a, b, c) = (places[begin], places[v], places[end]);
                 let through = (b - a).norm() + (c - b).norm();
                 through - (c - a).norm() <= BOUNDARY_LOSS * through
@@ -180,7 +179,7 @@ impl Patch {
         // The corners opposite the edge keep faces enough.
         let corners = self.edge_faces(v, u);
         let enough = corners.iter().all(|(f, k)| {
-            let w = self.sheet.faces[f][(k + 2) % 3];
+            let w = self.mesh.faces[f][(k + 2) % 3];
             self.around[w].len() > if self.on_boundary(w) { 1 } else { 3 }
         });
         shared == opposite && enough
@@ -189,9 +188,9 @@ impl Patch {
     /// Places (m) of the rim's vertices around the vertex of `fan` at the origin, at rest; none if
     /// it is not flat within `flatness` (rad).
     fn lay_out(&self, fan: &Fan, flatness: f64) -> Option<Vec<Vec2>> {
-        let rest = |i: usize| &self.sheet.rest[fan.faces[i].0];
+        let rest = |i: usize| &self.mesh.rest[fan.faces[i].0];
         let angles: Vec<f64> =
-            fan.faces.iter().map(|&(f, k)| unfold::angle(&self.sheet.rest[f], k)).collect();
+            fan.faces.iter().map(|&(f, k)| unfold::angle(&self.mesh.rest[f], k)).collect();
         let (sum, flat) = (angles.iter().sum::<f64>(), flat_angle(fan.closed));
         if (sum - flat).abs() > if fan.closed { flatness } else { flatness.min(STRAIGHT) } {
             return None;
@@ -220,7 +219,7 @@ impl Patch {
     fn move_uvs(&mut self, u: usize, plan: &Plan) -> bool {
         let Some(&place) = plan.gone.first() else { return false };
         let corner = self.corner(place, u).expect("faces that go are beside the edge");
-        let Some(uvs) = &mut self.sheet.uvs else { return true };
+        let Some(uvs) = &mut self.mesh.uvs else { return true };
         let to = uvs[place][corner];
         let area = |[a, b, c]: [Vec2; 3]| (b - a).perp(&(c - a));
         let moved = |uv: [Vec2; 3], k: usize| {

@@ -1,4 +1,4 @@
-//! When edges are split, swapped and collapsed.
+//! Passes of remeshing: which edges are split, swapped and collapsed, and in which order.
 
 use std::collections::VecDeque;
 
@@ -14,11 +14,11 @@ pub(super) const SPLIT: f64 = 4.0 / 3.0;
 pub(super) const COLLAPSE: f64 = 0.4;
 /// Lengths over asked ones that no collapse makes: some way below where edges are split.
 const LONGEST_MADE: f64 = 0.9 * SPLIT;
-/// Growth (factor of length less 1) below which nothing is said to grow.
-const QUIET: f64 = 1e-9;
-/// By how much more (m) a vertex may ask for than another, for each metre between them.
+/// Growth (factor of length less 1) below which a vertex counts as one that does not grow.
+const NO_GROWTH: f64 = 1e-9;
+/// Largest slope of the asked length along the surface (m/m).
 const GRADING: f64 = 0.5;
-/// Swaps in a row for each edge at most. Delaunay needs few.
+/// Largest number of swaps for each edge; a Delaunay mesh needs few.
 const SWAPS: usize = 64;
 
 /// Changes `patch` until nothing is left to change, or limits are met.
@@ -26,7 +26,7 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
     let mut report = RemeshReport::default();
     let area: f64 = (0..patch.active.len())
         .filter(|&f| patch.active[f])
-        .map(|f| patch.sheet.rest[f].area_m2)
+        .map(|f| patch.mesh.rest[f].area_m2)
         .sum();
     let budget = options.area_tolerance * area;
     while report.passes < options.most_passes {
@@ -44,16 +44,16 @@ pub(super) fn run(patch: &mut Patch, options: &RemeshOptions) -> RemeshReport {
     report
 }
 
-/// `[V]` how long (m) edges at each corner of an active face should be; infinite elsewhere.
+/// `[V]` asked length (m) of edges at each corner of an active face; infinite elsewhere.
 ///
-/// λ and growth say it; where normals turn or growth changes along an edge, its ends ask for less;
-/// and no vertex asks for much more than its neighbours do, so that the mesh is graded. Where the
-/// active faces end, edges are what they are: the asked lengths begin there.
+/// λ and growth give it. Where normals turn or growth changes along an edge, its ends ask for less;
+/// no vertex asks for much more than its neighbours do, so that the mesh is graded. On the border
+/// of the active faces the asked lengths are those of the edges.
 pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> {
-    let growth = |v: usize| options.growth_channel.map(|c| patch.sheet.channels[c][v]);
+    let growth = |v: usize| options.growth_channel.map(|c| patch.mesh.channels[c][v]);
     let base = |v: usize| {
-        let fine = patch.sheet.channels[options.wavelength_channel][v] / options.edges_per_wave;
-        if growth(v).is_some_and(|g| (g - 1.0).abs() <= QUIET) {
+        let fine = patch.mesh.channels[options.wavelength_channel][v] / options.edges_per_wave;
+        if growth(v).is_some_and(|g| (g - 1.0).abs() <= NO_GROWTH) {
             options.longest_m
         } else {
             fine.min(options.longest_m)
@@ -66,12 +66,12 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     let mut fixed = vec![0.0_f64; patch.around.len()];
     let all_active = !patch.active.contains(&false);
     for f in (0..patch.active.len()).filter(|&f| patch.active[f] && !patch.dead[f]) {
-        let face = patch.sheet.faces[f];
+        let face = patch.mesh.faces[f];
         for k in 0..3 {
             let (a, b) = (face[k], face[(k + 1) % 3]);
             asked[a] = base(a);
             normals[a].get_or_insert_with(|| patch.normal(a));
-            let length = unfold::side(&patch.sheet.rest[f], k);
+            let length = unfold::side(&patch.mesh.rest[f], k);
             sides.push((a, b, length));
             if !all_active && patch.edge_faces(a, b).back.is_some_and(|(g, _)| !patch.active[g]) {
                 fixed[a] = fixed[a].max(length);
@@ -102,8 +102,8 @@ pub(super) fn asked_lengths(patch: &Patch, options: &RemeshOptions) -> Vec<f64> 
     asked.iter().zip(&spared).map(|(&a, &s)| a.max(-s)).collect()
 }
 
-/// Lowers `values` (`[V]`, m) until none is above another by more than [`GRADING`] of the length of
-/// the `sides` (ends, length in m) between.
+/// Lowers `values` (`[V]`, m) until no slope along the `sides` (ends, length in m) exceeds
+/// [`GRADING`].
 fn spread(sides: &[(usize, usize, f64)], values: &mut [f64]) {
     let mut done = false;
     while !done {
@@ -133,7 +133,7 @@ fn rated(patch: &Patch, asked: &[f64]) -> Vec<(f64, [usize; 2])> {
     patch.free_edges().into_iter().map(rate).collect()
 }
 
-/// Splits what is too long, the worst first.
+/// Splits edges that are too long, the worst first.
 fn split_all(patch: &mut Patch, options: &RemeshOptions, report: &mut RemeshReport) {
     let mut long = rated(patch, &asked_lengths(patch, options));
     long.retain(|&(ratio, _)| ratio > SPLIT);
@@ -147,7 +147,7 @@ fn split_all(patch: &mut Patch, options: &RemeshOptions, report: &mut RemeshRepo
     }
 }
 
-/// Swaps until all edges that may be are Delaunay at rest.
+/// Swaps until all free edges are Delaunay at rest.
 fn swap_all(patch: &mut Patch, report: &mut RemeshReport) {
     let mut waiting: VecDeque<[usize; 2]> = patch.free_edges().into();
     let mut left = SWAPS * waiting.len();
@@ -163,7 +163,7 @@ fn swap_all(patch: &mut Patch, report: &mut RemeshReport) {
     }
 }
 
-/// Collapses what is too short, the worst first.
+/// Collapses edges that are too short, the worst first.
 fn collapse_all(
     patch: &mut Patch,
     options: &RemeshOptions,

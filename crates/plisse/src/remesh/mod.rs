@@ -2,14 +2,14 @@
 //! they are as long as folds ask for.
 //!
 //! All of it happens at rest. A surface has its lengths from the rest metric of its faces; a split
-//! halves a face, a swap lays two faces flat next to each other and cuts them along the other
-//! diagonal: neither changes a length or an area anywhere. Taking a vertex out changes them only if
-//! the rest metric is curved there, and is refused where that is too much
-//! ([`RemeshOptions::flatness`], [`RemeshOptions::area_tolerance`]).
+//! halves a face, a swap unfolds two faces into a plane and cuts them along the other diagonal:
+//! neither changes a length or an area anywhere. Taking a vertex out changes them only if the rest
+//! metric is curved there, and is refused where that is too much ([`RemeshOptions::flatness`],
+//! [`RemeshOptions::area_tolerance`]).
 //!
-//! New vertices lie in the middle of edges, unless [`MidpointPlacement`] says otherwise, and those taken out
-//! are drawn onto neighbours, so whatever is linear over the surface stays so. Seams of the
-//! texture, frozen regions and the boundary keep their course.
+//! New vertices lie in the middle of edges, unless [`MidpointPlacement`] says otherwise, and those
+//! taken out are drawn onto neighbours, so whatever is linear over the surface stays so. Seams of
+//! the texture, frozen regions and the boundary keep their course.
 
 mod collapse;
 mod driver;
@@ -45,7 +45,7 @@ pub struct SurfaceMesh {
     pub uvs: Option<Vec<[Vec2; 3]>>,
 }
 
-/// How long edges should be, and how much remeshing may cost.
+/// Options of remeshing: the asked lengths of edges, and limits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RemeshOptions {
     /// Channel of the wavelength λ (m).
@@ -55,14 +55,13 @@ pub struct RemeshOptions {
     pub growth_channel: Option<usize>,
     /// Edges to a wavelength: where it grows, edges should be λ over this long, at rest.
     pub edges_per_wave: f64,
-    /// How long (m, at rest) edges should be where nothing grows; nowhere are they asked to be
-    /// longer.
+    /// Length (m, at rest) of edges where nothing grows; nowhere are they asked to be longer.
     pub longest_m: f64,
     /// Angle (rad) between the normals at an edge's ends above which it should be shorter.
     pub normal_angle: f64,
     /// Change of growth along an edge above which it should be shorter.
     pub growth_step: f64,
-    /// How much shorter, as a share of what λ asks for, angle and change of growth may make edges.
+    /// Lower limit of the length that angle and change of growth ask for, as a share of that by λ.
     pub finest_share: f64,
     /// Most (rad) by which the angles around a vertex that is taken out may differ from 2π, at
     /// rest.
@@ -74,12 +73,12 @@ pub struct RemeshOptions {
     pub most_vertices: usize,
     /// No more passes than this.
     pub most_passes: usize,
-    /// Where new vertices go.
+    /// Placement of new vertices.
     pub midpoints: MidpointPlacement,
 }
 
-/// Where a new vertex goes. Rest lengths and all else that is carried are linear along edges
-/// whatever this is.
+/// Placement of a new vertex on an edge. Rest lengths and all channels are linear along edges in
+/// either case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MidpointPlacement {
     /// Into the middle of its edge, in the pose and at the start.
@@ -111,7 +110,7 @@ impl RemeshOptions {
     }
 }
 
-/// Where the old vertices and faces went. Those that are untouched keep their numbers, except that
+/// New numbers of old vertices and faces. Those that are untouched keep their numbers, except that
 /// the last ones fill holes if the surface ends up with fewer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IndexMaps {
@@ -120,11 +119,11 @@ pub struct IndexMaps {
     pub vertices: Vec<Option<usize>>,
     /// `[old F]` new number of each face; none if it was taken out.
     pub faces: Vec<Option<usize>>,
-    /// `[F]` whether each face, by its new number, has other corners than before, or is new.
+    /// `[F]` true for faces, by their new number, that have other corners than before, or are new.
     pub changed: Vec<bool>,
 }
 
-/// What was done.
+/// Report on remeshing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RemeshReport {
     /// Edges split.
@@ -135,10 +134,10 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Passes, the last of which changed nothing if [`RemeshReport::converged`].
     pub passes: usize,
-    /// Whether another call with the same options would change nothing (but for collapses for which
+    /// True if another call with the same options would change nothing (but for collapses for which
     /// no area was left).
     pub converged: bool,
-    /// Whether edges stayed too long for want of vertices.
+    /// True if edges stayed too long for want of vertices.
     pub limited: bool,
     /// Change (m²) of the total rest area, but for rounding.
     pub area_change_m2: f64,
@@ -154,74 +153,78 @@ impl RemeshReport {
 
 /// A remeshed surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remeshed {
+pub struct RemeshOutcome {
     /// The surface.
-    pub sheet: SurfaceMesh,
-    /// Where vertices and faces went.
+    pub mesh: SurfaceMesh,
+    /// New numbers of vertices and faces.
     pub maps: IndexMaps,
-    /// What was done.
+    /// Report.
     pub report: RemeshReport,
 }
 
-/// Splits, swaps and collapses edges of `sheet` until they are as long as `options` ask for. Faces
+/// Splits, swaps and collapses edges of `mesh` until they are as long as `options` ask for. Faces
 /// that are not `active` (`[F]`), their corners and their sides stay as they are to the bit.
 ///
 /// An edge is split if it is longer than 4/3 of what is asked for and collapsed if shorter than
 /// 2/5; between these, nothing happens. The result does not depend on anything but the arguments.
 ///
 /// # Errors
-/// [`Error::Mesh`] for a surface that is no manifold where it is active, or whose parts do not fit together; [`Error::Value`] for options
-/// out of range.
-pub fn remesh(sheet: SurfaceMesh, active: &[bool], options: &RemeshOptions) -> Result<Remeshed> {
-    check(&sheet, active)?;
-    check_options(&sheet, options)?;
-    let (vertices, faces) = (sheet.positions.len(), sheet.faces.len());
-    let mut patch = Patch::new(sheet, active);
+/// [`Error::Mesh`] for a surface that is no manifold where it is active, or whose parts do not fit
+/// together; [`Error::Value`] for options out of range.
+pub fn remesh(
+    mesh: SurfaceMesh,
+    active: &[bool],
+    options: &RemeshOptions,
+) -> Result<RemeshOutcome> {
+    check(&mesh, active)?;
+    check_options(&mesh, options)?;
+    let (vertices, faces) = (mesh.positions.len(), mesh.faces.len());
+    let mut patch = Patch::new(mesh, active);
     patch.midpoints = options.midpoints;
     // The whole connectivity takes longer than a small change; it is looked at only to say what is
     // wrong.
     if !patch.is_sound() {
-        Topology::new(vertices, patch.sheet.faces).at("remeshing")?;
+        Topology::new(vertices, patch.mesh.faces).at("remeshing")?;
         return Err(Error::mesh(
             "remeshing",
             "the surface is no manifold; split it where more than two faces meet",
         ));
     }
     let report = driver::run(&mut patch, options);
-    let (sheet, maps) = patch.finish(vertices, faces);
-    Ok(Remeshed { sheet, maps, report })
+    let (mesh, maps) = patch.finish(vertices, faces);
+    Ok(RemeshOutcome { mesh, maps, report })
 }
 
-/// Length of every edge of `sheet` at rest over the length that `options` ask for, edges as in
+/// Length of every edge of `mesh` at rest over the length that `options` ask for, edges as in
 /// [`Topology::edges`]. Edges that may change end up between 2/5 and 4/3, nearly all.
 ///
 /// # Errors
 /// As [`remesh`].
-pub fn edge_ratios(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<Vec<f64>> {
-    check(sheet, &vec![true; sheet.faces.len()])?;
-    check_options(sheet, options)?;
-    let topology = Topology::new(sheet.positions.len(), sheet.faces.clone()).at("remeshing")?;
-    let patch = Patch::new(sheet.clone(), &vec![true; sheet.faces.len()]);
+pub fn edge_ratios(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<Vec<f64>> {
+    check(mesh, &vec![true; mesh.faces.len()])?;
+    check_options(mesh, options)?;
+    let topology = Topology::new(mesh.positions.len(), mesh.faces.clone()).at("remeshing")?;
+    let patch = Patch::new(mesh.clone(), &vec![true; mesh.faces.len()]);
     let asked = driver::asked_lengths(&patch, options);
     let ratio =
         |&[a, b]: &[usize; 2]| driver::ratio(&asked, a, b, patch.length(&patch.edge_faces(a, b)));
     Ok(topology.edges.iter().map(ratio).collect())
 }
 
-fn check(sheet: &SurfaceMesh, active: &[bool]) -> Result<()> {
-    let (n, m) = (sheet.positions.len(), sheet.faces.len());
-    if let Some(f) = sheet.faces.iter().position(|face| face.iter().any(|&v| v >= n)) {
+fn check(mesh: &SurfaceMesh, active: &[bool]) -> Result<()> {
+    let (n, m) = (mesh.positions.len(), mesh.faces.len());
+    if let Some(f) = mesh.faces.iter().position(|face| face.iter().any(|&v| v >= n)) {
         return Err(Error::mesh(
             "remeshing",
             format!("face {f} names a vertex that is not there, of {n}; correct the index"),
         ));
     }
-    let per_vertex = sheet.start.len() == n
-        && sheet.frozen.len() == n
-        && sheet.channels.iter().all(|c| c.len() == n);
-    let per_face = sheet.rest.len() == m
+    let per_vertex = mesh.start.len() == n
+        && mesh.frozen.len() == n
+        && mesh.channels.iter().all(|c| c.len() == n);
+    let per_face = mesh.rest.len() == m
         && active.len() == m
-        && sheet.uvs.as_ref().is_none_or(|uvs| uvs.len() == m);
+        && mesh.uvs.as_ref().is_none_or(|uvs| uvs.len() == m);
     if !(per_vertex && per_face) {
         return Err(Error::mesh(
             "remeshing",
@@ -232,14 +235,14 @@ fn check(sheet: &SurfaceMesh, active: &[bool]) -> Result<()> {
         ));
     }
     if let Some(v) = (0..n).find(|&v| {
-        [&sheet.positions[v], &sheet.start[v]].iter().any(|p| p.iter().any(|x| !x.is_finite()))
+        [&mesh.positions[v], &mesh.start[v]].iter().any(|p| p.iter().any(|x| !x.is_finite()))
     }) {
         return Err(Error::mesh(
             "remeshing",
             format!("the place of vertex {v} is not a number; give finite coordinates"),
         ));
     }
-    if let Some(f) = sheet
+    if let Some(f) = mesh
         .rest
         .iter()
         .position(|f| !(f.area_m2 > 0.0 && f.inverse_root.iter().all(|x| x.is_finite())))
@@ -252,7 +255,7 @@ fn check(sheet: &SurfaceMesh, active: &[bool]) -> Result<()> {
     Ok(())
 }
 
-fn check_options(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<()> {
+fn check_options(mesh: &SurfaceMesh, options: &RemeshOptions) -> Result<()> {
     let positive = [
         ("edges_per_wave", options.edges_per_wave),
         ("longest_m", options.longest_m),
@@ -285,12 +288,12 @@ fn check_options(sheet: &SurfaceMesh, options: &RemeshOptions) -> Result<()> {
         ));
     }
     let channel = |name: &str, c: usize, least: f64| {
-        let Some(values) = sheet.channels.get(c) else {
+        let Some(values) = mesh.channels.get(c) else {
             return Err(Error::value(
                 name,
                 format!(
                     "there is no channel {c} but only {}; correct the number",
-                    sheet.channels.len()
+                    mesh.channels.len()
                 ),
             ));
         };

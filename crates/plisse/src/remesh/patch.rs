@@ -1,4 +1,5 @@
-//! A surface while it is remeshed: faces, who is around each vertex, and what may be changed.
+//! A surface while it is remeshed: faces, the faces around each vertex, and the ones that may be
+//! changed.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,18 +12,18 @@ const LEAST_COSINE: f64 = 0.5;
 /// The surface with its holes: numbers of faces and vertices never change here, new ones are
 /// appended, dead ones are marked.
 pub(super) struct Patch {
-    pub(super) sheet: SurfaceMesh,
+    pub(super) mesh: SurfaceMesh,
     /// `[V]` faces around each vertex, in no order; empty: the vertex is dead.
     pub(super) around: Vec<Vec<usize>>,
-    /// `[F]` whether the face may be changed.
+    /// `[F]` true for faces that may be changed.
     pub(super) active: Vec<bool>,
-    /// `[F]` whether the face was removed.
+    /// `[F]` true for faces that were removed.
     pub(super) dead: Vec<bool>,
-    /// `[F]` whether the face is another than at first, or new.
+    /// `[F]` true for faces that were changed, or are new.
     pub(super) changed: Vec<bool>,
     /// Vertices that live.
     pub(super) living: usize,
-    /// Where new vertices go.
+    /// Placement of new vertices.
     pub(super) midpoints: MidpointPlacement,
 }
 
@@ -43,22 +44,22 @@ impl EdgeFaces {
 pub(super) struct Fan {
     /// `(face, corner of the vertex)`, counter-clockwise.
     pub(super) faces: Vec<(usize, usize)>,
-    /// Whether the last face touches the first.
+    /// True if the last face touches the first.
     pub(super) closed: bool,
 }
 
 impl Patch {
-    pub(super) fn new(sheet: SurfaceMesh, active: &[bool]) -> Self {
-        let mut around = vec![Vec::new(); sheet.positions.len()];
-        for (f, face) in sheet.faces.iter().enumerate() {
+    pub(super) fn new(mesh: SurfaceMesh, active: &[bool]) -> Self {
+        let mut around = vec![Vec::new(); mesh.positions.len()];
+        for (f, face) in mesh.faces.iter().enumerate() {
             for &v in face {
                 around[v].push(f);
             }
         }
-        let n = sheet.faces.len();
+        let n = mesh.faces.len();
         Self {
             living: around.len(),
-            sheet,
+            mesh,
             around,
             active: active.to_vec(),
             dead: vec![false; n],
@@ -67,17 +68,17 @@ impl Patch {
         }
     }
 
-    /// Whether every vertex has a face, and the active faces and their neighbours are a manifold,
+    /// True if every vertex has a face, and the active faces and their neighbours are a manifold,
     /// all facing the same way.
     pub(super) fn is_sound(&self) -> bool {
         let proper = |f: usize| {
-            let face = self.sheet.faces[f];
+            let face = self.mesh.faces[f];
             let side = |k: usize| {
                 let (a, b) = (face[k], face[(k + 1) % 3]);
                 let along = |x: usize, y: usize| {
                     let runs = |&&g: &&usize| {
                         (0..3).any(|l| {
-                            self.sheet.faces[g][l] == x && self.sheet.faces[g][(l + 1) % 3] == y
+                            self.mesh.faces[g][l] == x && self.mesh.faces[g][(l + 1) % 3] == y
                         })
                     };
                     self.around[a].iter().filter(runs).count()
@@ -92,14 +93,14 @@ impl Patch {
 
     /// The corner of face `f` that is vertex `v`, if it is one.
     pub(super) fn corner(&self, f: usize, v: usize) -> Option<usize> {
-        self.sheet.faces[f].iter().position(|&u| u == v)
+        self.mesh.faces[f].iter().position(|&u| u == v)
     }
 
     /// The faces on the edge from `a` to `b`.
     pub(super) fn edge_faces(&self, a: usize, b: usize) -> EdgeFaces {
         let mut faces = EdgeFaces { forth: None, back: None };
         for &f in &self.around[a] {
-            let face = &self.sheet.faces[f];
+            let face = &self.mesh.faces[f];
             let k = self.corner(f, a).expect("faces around a vertex have it");
             if face[(k + 1) % 3] == b {
                 faces.forth = Some((f, k));
@@ -110,7 +111,7 @@ impl Patch {
         faces
     }
 
-    /// Whether an edge joins `a` and `b`.
+    /// True if an edge joins `a` and `b`.
     pub(super) fn joined(&self, a: usize, b: usize) -> bool {
         self.around[a].iter().any(|&f| self.corner(f, b).is_some())
     }
@@ -119,7 +120,7 @@ impl Patch {
     pub(super) fn free_edges(&self) -> Vec<[usize; 2]> {
         let mut edges = Vec::new();
         for (f, face) in
-            self.sheet.faces.iter().enumerate().filter(|&(f, _)| self.active[f] && !self.dead[f])
+            self.mesh.faces.iter().enumerate().filter(|&(f, _)| self.active[f] && !self.dead[f])
         {
             for k in 0..3 {
                 let (a, b) = (face[k], face[(k + 1) % 3]);
@@ -136,30 +137,30 @@ impl Patch {
     /// Rest length (m) of the edge on `faces`: the mean of both sides.
     pub(super) fn length(&self, faces: &EdgeFaces) -> f64 {
         let (sum, count) = faces.iter().fold((0.0, 0.0), |(sum, n), (f, k)| {
-            (sum + unfold::side(&self.sheet.rest[f], k), n + 1.0)
+            (sum + unfold::side(&self.mesh.rest[f], k), n + 1.0)
         });
         sum / count
     }
 
-    /// Whether texture places, or rest lengths, differ across the edge: it is a seam.
+    /// True if texture places, or rest lengths, differ across the edge: it is a seam.
     pub(super) fn is_seam(&self, faces: &EdgeFaces) -> bool {
         let (Some((f, k)), Some((g, l))) = (faces.forth, faces.back) else { return false };
         let uv_seam = self
-            .sheet
+            .mesh
             .uvs
             .as_ref()
             .is_some_and(|uv| uv[f][k] != uv[g][(l + 1) % 3] || uv[f][(k + 1) % 3] != uv[g][l]);
         uv_seam
             || !unfold::agree(
-                unfold::side(&self.sheet.rest[f], k),
-                unfold::side(&self.sheet.rest[g], l),
+                unfold::side(&self.mesh.rest[f], k),
+                unfold::side(&self.mesh.rest[g], l),
             )
     }
 
     /// The axes along which an edge is frozen as a whole. Not where it joins two places of the
     /// boundary through the inside.
     pub(super) fn frozen_line(&self, a: usize, b: usize, faces: &EdgeFaces) -> [bool; 3] {
-        let (p, q) = (self.sheet.frozen[a], self.sheet.frozen[b]);
+        let (p, q) = (self.mesh.frozen[a], self.mesh.frozen[b]);
         let axes = [0, 1, 2].map(|k| p[k] && q[k]);
         if axes == [false; 3] {
             return axes;
@@ -167,7 +168,7 @@ impl Patch {
         let outer = faces.forth.is_none() || faces.back.is_none();
         // A frozen face beside it makes it part of a frozen region whatever lies at its ends.
         let beside = faces.iter().any(|(f, _)| {
-            self.sheet.faces[f].iter().all(|&v| (0..3).all(|k| !axes[k] || self.sheet.frozen[v][k]))
+            self.mesh.faces[f].iter().all(|&v| (0..3).all(|k| !axes[k] || self.mesh.frozen[v][k]))
                 && !self.is_ear(f)
         });
         if outer || beside || !(self.on_boundary(a) && self.on_boundary(b)) {
@@ -177,14 +178,14 @@ impl Patch {
         }
     }
 
-    /// Whether a face with these corners would be frozen along some axis.
+    /// True if a face with these corners would be frozen along some axis.
     pub(super) fn would_freeze(&self, corners: &[usize; 3]) -> bool {
-        (0..3).any(|k| corners.iter().all(|&v| self.sheet.frozen[v][k]))
+        (0..3).any(|k| corners.iter().all(|&v| self.mesh.frozen[v][k]))
     }
 
-    /// Whether two sides of face `f` lie on the boundary.
+    /// True if two sides of face `f` lie on the boundary.
     fn is_ear(&self, f: usize) -> bool {
-        let face = self.sheet.faces[f];
+        let face = self.mesh.faces[f];
         let alone = |k: usize| {
             let faces = self.edge_faces(face[k], face[(k + 1) % 3]);
             faces.forth.is_none() || faces.back.is_none()
@@ -192,7 +193,7 @@ impl Patch {
         (0..3).filter(|&k| alone(k)).count() >= 2
     }
 
-    /// Whether `v` lies on the boundary.
+    /// True if `v` lies on the boundary.
     pub(super) fn on_boundary(&self, v: usize) -> bool {
         self.fan(v).is_none_or(|fan| !fan.closed)
     }
@@ -204,8 +205,8 @@ impl Patch {
             .map(|&f| (f, self.corner(f, v).expect("faces around a vertex have it")))
             .collect();
         let (first, last) = (
-            |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 1) % 3],
-            |&(f, k): &(usize, usize)| self.sheet.faces[f][(k + 2) % 3],
+            |&(f, k): &(usize, usize)| self.mesh.faces[f][(k + 1) % 3],
+            |&(f, k): &(usize, usize)| self.mesh.faces[f][(k + 2) % 3],
         );
         // The face no other leads to; in a closed fan, the one that begins at the lowest vertex.
         let opening =
@@ -224,20 +225,20 @@ impl Patch {
 
     /// Unit normal at `v`: the faces' by area; zero where they cancel.
     pub(super) fn normal(&self, v: usize) -> Vec3 {
-        self.normal_sum(v, &self.sheet.positions).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
+        self.normal_sum(v, &self.mesh.positions).try_normalize(0.0).unwrap_or_else(Vec3::zeros)
     }
 
     /// Sum of the normals (m², of twice the areas) of the faces around `v`, whose corners are at
     /// `places` (m).
     pub(super) fn normal_sum(&self, v: usize, places: &[Vec3]) -> Vec3 {
-        self.around[v].iter().map(|&f| normal(self.sheet.faces[f].map(|u| places[u]))).sum()
+        self.around[v].iter().map(|&f| normal(self.mesh.faces[f].map(|u| places[u]))).sum()
     }
 
-    /// Whether no new face turns over, in space or at the start: every one of `new` keeps its side
-    /// of every one of `old` with the same number, or of all of them if `all`, and of the surface
+    /// True if no new face turns over, in space or at the start: every one of `new` keeps its side
+    /// of the one of `old` with the same number, or of all of them if `all`, and of the surface
     /// around each of its corners (else many small turns would add up).
     pub(super) fn keeps_sides(&self, old: &[[usize; 3]], new: &[[usize; 3]], all: bool) -> bool {
-        [&self.sheet.positions, &self.sheet.start].into_iter().all(|places| {
+        [&self.mesh.positions, &self.mesh.start].into_iter().all(|places| {
             let faces = |list: &[[usize; 3]]| -> Vec<Vec3> {
                 list.iter().map(|face| normal(face.map(|v| places[v]))).collect()
             };
@@ -255,7 +256,8 @@ impl Patch {
         self.around[v].retain(|&g| g != f);
     }
 
-    /// Fills the holes that dead ones left with the last ones: everyone else keeps its number.
+    /// Fills the holes of removed vertices and faces with the last ones; all others keep their
+    /// numbers.
     pub(super) fn finish(
         mut self,
         old_vertices: usize,
@@ -264,16 +266,16 @@ impl Patch {
         let vertex_alive: Vec<bool> = self.around.iter().map(|faces| !faces.is_empty()).collect();
         let face_alive: Vec<bool> = self.dead.iter().map(|dead| !dead).collect();
         let (to_vertex, to_face) = (compact_numbers(&vertex_alive), compact_numbers(&face_alive));
-        let sheet = &mut self.sheet;
-        renumber(&mut sheet.positions, &to_vertex);
-        renumber(&mut sheet.start, &to_vertex);
-        renumber(&mut sheet.frozen, &to_vertex);
-        sheet.channels.iter_mut().for_each(|channel| renumber(channel, &to_vertex));
-        renumber(&mut sheet.faces, &to_face);
-        renumber(&mut sheet.rest, &to_face);
+        let mesh = &mut self.mesh;
+        renumber(&mut mesh.positions, &to_vertex);
+        renumber(&mut mesh.start, &to_vertex);
+        renumber(&mut mesh.frozen, &to_vertex);
+        mesh.channels.iter_mut().for_each(|channel| renumber(channel, &to_vertex));
+        renumber(&mut mesh.faces, &to_face);
+        renumber(&mut mesh.rest, &to_face);
         renumber(&mut self.changed, &to_face);
-        sheet.uvs.iter_mut().for_each(|uvs| renumber(uvs, &to_face));
-        for v in sheet.faces.iter_mut().flatten() {
+        mesh.uvs.iter_mut().for_each(|uvs| renumber(uvs, &to_face));
+        for v in mesh.faces.iter_mut().flatten() {
             *v = to_vertex[*v].expect("living faces have living corners");
         }
         let maps = IndexMaps {
@@ -281,11 +283,11 @@ impl Patch {
             faces: to_face[..old_faces].to_vec(),
             changed: self.changed,
         };
-        (self.sheet, maps)
+        (self.mesh, maps)
     }
 }
 
-/// New number of each: the last living ones go where dead ones were, from the front.
+/// New number of each: the last living ones take the places of dead ones, from the front.
 fn compact_numbers(alive: &[bool]) -> Vec<Option<usize>> {
     let count = alive.iter().filter(|&&a| a).count();
     let mut holes = (0..count).filter(|&n| !alive[n]);

@@ -1,4 +1,4 @@
-//! An edge split in its middle.
+//! Edge split: a new vertex in the middle of an edge.
 
 use super::patch::Patch;
 use super::{MidpointPlacement, unfold};
@@ -9,9 +9,9 @@ const MOST_SAGITTA: f64 = 0.3;
 
 impl Patch {
     /// Splits the edge `a`–`b` in the middle; the new vertex is the last. The parts of a face keep
-    /// its metric, and half of its area each; what vertices carry is the mean of both ends, so what
-    /// is linear stays linear. None, and nothing happens, if the edge is not there or not all of
-    /// its faces are active.
+    /// its metric, and half of its area each; channels are the mean of both ends, so linear ones
+    /// stay linear. None, and nothing happens, if the edge is not there or not all of its faces are
+    /// active.
     ///
     /// The middle is frozen along the axes along which the edge is frozen as a whole.
     pub(super) fn split(&mut self, a: usize, b: usize) -> Option<usize> {
@@ -22,25 +22,25 @@ impl Patch {
         let frozen = self.frozen_line(a, b, &faces);
         let m = self.around.len();
         let (position, start) = self.middle(a, b, &frozen);
-        let sheet = &mut self.sheet;
-        sheet.positions.push(position);
-        sheet.start.push(start);
-        sheet.channels.iter_mut().for_each(|channel| channel.push((channel[a] + channel[b]) * 0.5));
-        sheet.frozen.push(frozen);
+        let mesh = &mut self.mesh;
+        mesh.positions.push(position);
+        mesh.start.push(start);
+        mesh.channels.iter_mut().for_each(|channel| channel.push((channel[a] + channel[b]) * 0.5));
+        mesh.frozen.push(frozen);
         self.around.push(Vec::new());
         self.living += 1;
         for (f, k) in faces.iter() {
-            let (l, new) = ((k + 1) % 3, self.sheet.faces.len());
-            let sheet = &mut self.sheet;
-            let (face, flat) = (sheet.faces[f], unfold::corners(&sheet.rest[f]));
+            let (l, new) = ((k + 1) % 3, self.mesh.faces.len());
+            let mesh = &mut self.mesh;
+            let (face, flat) = (mesh.faces[f], unfold::corners(&mesh.rest[f]));
             let (mut first, mut second) = ((face, flat), (face, flat));
             (first.0[l], first.1[l]) = (m, (flat[k] + flat[l]) * 0.5);
             (second.0[k], second.1[k]) = (m, first.1[l]);
-            sheet.faces[f] = first.0;
-            sheet.rest[f] = unfold::metric(first.1);
-            sheet.faces.push(second.0);
-            sheet.rest.push(unfold::metric(second.1));
-            if let Some(uvs) = &mut sheet.uvs {
+            mesh.faces[f] = first.0;
+            mesh.rest[f] = unfold::metric(first.1);
+            mesh.faces.push(second.0);
+            mesh.rest.push(unfold::metric(second.1));
+            if let Some(uvs) = &mut mesh.uvs {
                 let uv = uvs[f];
                 let middle = (uv[k] + uv[l]) * 0.5;
                 let mut other = uv;
@@ -59,17 +59,17 @@ impl Patch {
         Some(m)
     }
 
-    /// Where the middle of the edge `a`–`b` is in the pose and at the start (m).
+    /// Place of the middle of the edge `a`–`b` in the pose and at the start (m).
     fn middle(&self, a: usize, b: usize, frozen: &[bool; 3]) -> (Vec3, Vec3) {
-        let sheet = &self.sheet;
+        let mesh = &self.mesh;
         let mean = |places: &[Vec3]| (places[a] + places[b]) * 0.5;
-        let (mut position, mut start) = (mean(&sheet.positions), mean(&sheet.start));
+        let (mut position, mut start) = (mean(&mesh.positions), mean(&mesh.start));
         if self.midpoints == MidpointPlacement::Flat {
             return (position, start);
         }
         let (folded, smooth) =
-            (self.sagitta(a, b, &sheet.positions), self.sagitta(a, b, &sheet.start));
-        // What is not folded stays on the start, to the bit.
+            (self.sagitta(a, b, &mesh.positions), self.sagitta(a, b, &mesh.start));
+        // An edge that is not folded stays on the start, to the bit.
         let (round, beside) = if self.midpoints == MidpointPlacement::Start {
             (smooth, Vec3::zeros())
         } else {
@@ -77,7 +77,7 @@ impl Patch {
         };
         let by = start - position;
         start += round;
-        position = if sheet.positions[a] == sheet.start[a] && sheet.positions[b] == sheet.start[b] {
+        position = if mesh.positions[a] == mesh.start[a] && mesh.positions[b] == mesh.start[b] {
             start
         } else {
             position + (folded - beside)

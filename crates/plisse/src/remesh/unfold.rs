@@ -1,9 +1,9 @@
-//! Triangles laid flat in their own rest metric.
+//! Triangles unfolded into the plane by their rest metric.
 
 use crate::mesh::Vec2;
 use crate::rest::RestFace;
 
-/// Corners (m) of a face laid flat: the first at the origin, the second on the x axis.
+/// Corners (m) of an unfolded face: the first at the origin, the second on the x axis.
 pub(super) fn corners(face: &RestFace) -> [Vec2; 3] {
     let [u, v] = face.edges();
     [Vec2::zeros(), u, v]
@@ -62,7 +62,7 @@ pub(super) fn cotangent_over(face: &RestFace, k: usize) -> f64 {
     a.dot(&b) / a.perp(&b)
 }
 
-/// Whether two lengths of the same side, from the faces on both sides of it, agree.
+/// True if two lengths of the same side, from the faces on both sides of it, agree.
 pub(super) fn agree(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-7 * (a + b)
 }

@@ -35,7 +35,7 @@ mod value;
 
 pub use base::{base_notes, solve_base};
 pub use build::{Built, build};
-pub use growth::{BuiltGrowth, build_growth};
+pub use growth::{BuiltGrowth, GrowOptions, GrownScene, build_growth, grow};
 pub use laid::BuiltPanel;
 pub use measure::{Measured, measure};
 pub use measure_shell::measure_shell;

@@ -1,30 +1,30 @@
-//! How near two parts of a surface are: a vertex and a face, or two edges. The distance is d = |Σ
-//! wₖxₖ|, and because it is the smallest one, its derivative is that at fixed weights: ∂d/∂xₖ =
+//! Distance of two primitives of a surface: a vertex and a face, or two edges. The distance is d =
+//! |Σ wₖxₖ|, and because it is the smallest one, its derivative is that at fixed weights: ∂d/∂xₖ =
 //! wₖn.
 
 use crate::mesh::Vec3;
 
-/// Two parts of a surface that have no vertex in common.
+/// Two primitives of a surface that have no vertex in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Pair {
+pub(crate) enum PrimitivePair {
     /// A vertex, and the corners of a face.
     VertexFace([usize; 4]),
     /// The ends of an edge, and the ends of another.
     Edges([usize; 4]),
 }
 
-/// Where two parts are nearest.
+/// Closest points of two primitives.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Near {
+pub(crate) struct ClosestPoints {
     /// Their distance, in the unit of the places.
     pub(crate) distance: f64,
-    /// Weights of the four places in what joins the nearest points.
+    /// Weights of the four places in the vector between the closest points.
     pub(crate) weights: [f64; 4],
-    /// Unit vector from the second part to the first; zero where they touch.
+    /// Unit vector from the second primitive to the first; zero where they touch.
     pub(crate) normal: Vec3,
 }
 
-impl Pair {
+impl PrimitivePair {
     /// The four vertices.
     pub(crate) fn vertices(&self) -> [usize; 4] {
         match *self {
@@ -32,16 +32,16 @@ impl Pair {
         }
     }
 
-    /// By how much nearer the two can come where vertices go as far as `by` (`[V]`).
-    pub(crate) fn most_nearer(&self, by: &[f64]) -> f64 {
+    /// Bound on the loss of distance where vertices move as far as `by` (`[V]`).
+    pub(crate) fn approach_bound(&self, by: &[f64]) -> f64 {
         match *self {
             Self::VertexFace([v, a, b, c]) => by[v] + by[a].max(by[b]).max(by[c]),
             Self::Edges([a, b, c, d]) => by[a].max(by[b]) + by[c].max(by[d]),
         }
     }
 
-    /// Where the two are nearest, with the four vertices at `x`.
-    pub(crate) fn near(&self, x: [Vec3; 4]) -> Near {
+    /// Closest points of the two, with the four vertices at `x`.
+    pub(crate) fn closest_points(&self, x: [Vec3; 4]) -> ClosestPoints {
         let weights = match self {
             Self::VertexFace(_) => {
                 let [a, b, c] = closest_on_triangle(&x[0], &x[1], &x[2], &x[3]);
@@ -56,7 +56,7 @@ impl Pair {
         let join =
             (x[1] - x[0]) * weights[1] + (x[2] - x[0]) * weights[2] + (x[3] - x[0]) * weights[3];
         let distance = join.norm();
-        Near { distance, weights, normal: join.try_normalize(0.0).unwrap_or_default() }
+        ClosestPoints { distance, weights, normal: join.try_normalize(0.0).unwrap_or_default() }
     }
 }
 
@@ -98,7 +98,7 @@ fn closest_on_triangle(p: &Vec3, a: &Vec3, b: &Vec3, c: &Vec3) -> [f64; 3] {
     [1.0 - v - w, v, w]
 }
 
-/// How far along the segments a–b and c–d (0 to 1) their nearest points are.
+/// Positions of the nearest points along the segments a–b and c–d (0 to 1).
 fn closest_on_segments(a: &Vec3, b: &Vec3, c: &Vec3, d: &Vec3) -> [f64; 2] {
     let (u, v, r) = (b - a, d - c, a - c);
     let (uu, vv, uv) = (u.norm_squared(), v.norm_squared(), u.dot(&v));
@@ -153,9 +153,11 @@ mod tests {
                 }
             }
             for (pair, least) in
-                [Pair::VertexFace([0, 1, 2, 3]), Pair::Edges([0, 1, 2, 3])].into_iter().zip(least)
+                [PrimitivePair::VertexFace([0, 1, 2, 3]), PrimitivePair::Edges([0, 1, 2, 3])]
+                    .into_iter()
+                    .zip(least)
             {
-                let near = pair.near(x);
+                let near = pair.closest_points(x);
                 assert!(
                     near.distance <= least + 1e-12 && near.distance > least - 0.03,
                     "{near:?} {least}"
@@ -169,17 +171,17 @@ mod tests {
     #[test]
     fn the_slope_is_that_at_fixed_weights() {
         let mut random = Random(4);
-        for pair in [Pair::VertexFace([0, 1, 2, 3]), Pair::Edges([0, 1, 2, 3])] {
+        for pair in [PrimitivePair::VertexFace([0, 1, 2, 3]), PrimitivePair::Edges([0, 1, 2, 3])] {
             for _ in 0..20 {
                 let x = random_places(&mut random);
                 let flat: Vec<f64> = x.iter().flat_map(|p| p.iter().copied()).collect();
                 let at = |y: &[f64]| {
-                    pair.near(std::array::from_fn(|k| {
+                    pair.closest_points(std::array::from_fn(|k| {
                         Vec3::new(y[3 * k], y[3 * k + 1], y[3 * k + 2])
                     }))
                     .distance
                 };
-                let near = pair.near(x);
+                let near = pair.closest_points(x);
                 let gradient: Vec<f64> =
                     (0..12).map(|i| near.weights[i / 3] * near.normal[i % 3]).collect();
                 let e = gradient_error(&flat, 0.01, &gradient, at);
@@ -191,13 +193,15 @@ mod tests {
     #[test]
     fn edges_without_length_and_parallel_ones_have_a_distance() {
         let [o, x, y] = [Vec3::zeros(), Vec3::x(), Vec3::y()];
-        let edges = Pair::Edges([0, 1, 2, 3]);
-        assert_eq!(edges.near([o, o, x, x]).distance, 1.0);
-        assert_eq!(edges.near([o, o, y, y + x]).distance, 1.0);
-        assert_eq!(edges.near([y, y + x, o, o]).distance, 1.0);
-        assert_eq!(edges.near([o, x, y, y + x]).distance, 1.0);
+        let edges = PrimitivePair::Edges([0, 1, 2, 3]);
+        assert_eq!(edges.closest_points([o, o, x, x]).distance, 1.0);
+        assert_eq!(edges.closest_points([o, o, y, y + x]).distance, 1.0);
+        assert_eq!(edges.closest_points([y, y + x, o, o]).distance, 1.0);
+        assert_eq!(edges.closest_points([o, x, y, y + x]).distance, 1.0);
         assert!(
-            (edges.near([o, x, 2.0 * x + y, 3.0 * x + y]).distance - 2.0_f64.sqrt()).abs() < 1e-15
+            (edges.closest_points([o, x, 2.0 * x + y, 3.0 * x + y]).distance - 2.0_f64.sqrt())
+                .abs()
+                < 1e-15
         );
     }
 }

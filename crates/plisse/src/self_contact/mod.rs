@@ -1,12 +1,13 @@
-//! What the paper only wished for: folds that do not pass through each other.
+//! Contact of a surface with itself: an incremental potential (Li et al. 2020, *Incremental
+//! Potential Contact*) that keeps folds from passing through each other.
 //!
-//! Every vertex against every face and every edge against every edge that have no vertex in common.
-//! With d their distance, t the contact thickness and s = d/t, the energy is p·A·t·B(s) with B =
-//! −(1 − s)²·ln s below s = 1 (the barrier of Li et al. 2020, *Incremental Potential Contact*), and
-//! for two edges times a factor that vanishes as they become parallel, where their distance has a
-//! kink. A is the starting area of the four vertices' share, p about the pressure of the foundation
-//! under a fold. No step is longer than the way is clear (`advance`), so what does not cross at the
-//! start never does.
+//! The primitive pairs are every vertex with every face and every edge with every edge that have no
+//! vertex in common. With d their distance, t the contact thickness and s = d/t, the energy is
+//! p·A·t·B(s) with the barrier B = −(1 − s)²·ln s below s = 1. For two edges it has a mollifier
+//! that vanishes as they become parallel, where their distance has a kink. A is the starting area
+//! of the four vertices' share, p about the pressure of the foundation under a fold. Steps are
+//! collision-free (additive continuous collision detection, `additive_ccd`), so a surface that does
+//! not cross itself at the start never does.
 //!
 //! The thickness of a pair is at most half its distance on the starting surface: nothing is in
 //! contact before it grows.
@@ -23,40 +24,40 @@ use rayon::prelude::*;
 
 use crate::mesh::{Topology, Vec3};
 use crate::shell::contact::barrier;
-use additive_ccd::advance;
-use distance::{Near, Pair};
+use additive_ccd::collision_free_part;
+use distance::{ClosestPoints, PrimitivePair};
 
-/// Faces or pairs a thread takes at once.
+/// Faces or pairs in one block of a parallel loop.
 const CHUNK: usize = 256;
-/// Edges count as parallel below this sine, squared.
-const PARALLEL: f64 = 1e-3;
-/// How far ahead, in thicknesses, couplings are foreseen.
-const AHEAD: f64 = 1.5;
-/// How much farther, as a share of the longest move, pairs are listed, so that small moves need no
-/// new list.
-const SKIN: f64 = 0.1;
-/// A new list is made where more than one in so many faces moves farther than the list foresaw.
-const FEW: usize = 8;
+/// Squared sine of the angle between two edges below which their energy is mollified.
+const MOLLIFIER_THRESHOLD: f64 = 1e-3;
+/// Distance, in thicknesses, up to which a pair is a candidate of contact.
+const CANDIDATE_DISTANCE: f64 = 1.5;
+/// Skin of the Verlet list, as a share of the longest move: moves up to half of it need no new
+/// list.
+const VERLET_SKIN: f64 = 0.1;
+/// Faces for each one that leaves its skin, below which the list is made anew.
+const FACES_PER_FAST_FACE: usize = 8;
 
-/// Gradient (N) and a positive semidefinite part of the Hessian (N/m) of one pair:
-/// `bend`·slope·slopeᵀ.
+/// Active contact of one pair: gradient (N) and a positive semidefinite part of the Hessian (N/m),
+/// stiffness·slope·slopeᵀ.
 #[derive(Clone, Debug)]
-pub(crate) struct Touch {
+pub struct Contact {
     /// Vertices.
-    pub(crate) vertices: [usize; 4],
-    /// ∂energy/∂x of each vertex.
-    pub(crate) gradient: [Vec3; 4],
-    /// ∂d/∂x of each vertex.
-    pub(crate) slope: [Vec3; 4],
-    pub(crate) bend: f64,
-    /// Whether the matrix has no room for its couplings yet: a bound of the Hessian that couples
-    /// nothing stands for it.
-    pub(crate) loose: bool,
+    pub vertices: [usize; 4],
+    /// ∂energy/∂x (N) of each vertex.
+    pub gradient: [Vec3; 4],
+    /// ∂d/∂x (no unit) of each vertex.
+    pub slope: [Vec3; 4],
+    /// ∂²energy/∂d² (N/m).
+    pub stiffness: f64,
+    /// True if the matrix pattern lacks its couplings: a block-diagonal bound replaces its Hessian.
+    pub uncoupled: bool,
 }
 
-/// The contact of a surface with itself.
+/// Contact of a surface with itself.
 #[derive(Clone, Debug)]
-pub(crate) struct SelfContact<'a> {
+pub struct SelfContact<'a> {
     topology: &'a Topology,
     start: &'a [Vec3],
     /// `[V]` pressure times a quarter of the starting area (N).
@@ -64,30 +65,31 @@ pub(crate) struct SelfContact<'a> {
     thickness_m: f64,
     /// Longest move (m) of a vertex in one step.
     longest_m: f64,
-    /// `[V]` first face of each vertex, which speaks for it; [`usize::MAX`] for a loose one.
-    speaker: Vec<usize>,
-    /// All pairs that can be within the thickness where the surface is now and may step to.
-    candidates: Vec<Pair>,
-    /// All pairs that can be while no vertex is farther than half of [`SKIN`] from where it was
-    /// when they were listed, and how far (m) the two were apart then.
-    listed: Vec<(Pair, f64)>,
-    listed_at: Vec<Vec3>,
+    /// `[V]` representative face of each vertex, its first one; [`usize::MAX`] without a face.
+    representative_face: Vec<usize>,
+    /// Pairs that can be within the thickness at the present pose and along the present step.
+    candidates: Vec<PrimitivePair>,
+    /// Verlet list: all pairs that can be candidates while no vertex has moved farther than half of
+    /// the skin, with their distances (m) when they were listed.
+    verlet_list: Vec<(PrimitivePair, f64)>,
+    /// `[V]` pose (m) for which the list was made.
+    listed_pose: Vec<Vec3>,
 }
 
 impl<'a> SelfContact<'a> {
     /// Contact within `thickness_m` of the surface that starts at `start` (`[V]`, m).
     /// `strength_newton` (`[V]`) is the pressure times area with which each vertex is pushed away;
     /// no vertex moves more than `longest_m` in a step.
-    pub(crate) fn new(
+    pub fn new(
         topology: &'a Topology,
         start: &'a [Vec3],
         thickness_m: f64,
         longest_m: f64,
         strength_newton: &[f64],
     ) -> Self {
-        let mut speaker = vec![usize::MAX; start.len()];
+        let mut representative_face = vec![usize::MAX; start.len()];
         for (f, face) in topology.faces.iter().enumerate().rev() {
-            face.iter().for_each(|&v| speaker[v] = f);
+            face.iter().for_each(|&v| representative_face[v] = f);
         }
         let strength = strength_newton.iter().map(|s| 0.25 * s).collect();
         Self {
@@ -96,57 +98,63 @@ impl<'a> SelfContact<'a> {
             strength,
             thickness_m,
             longest_m,
-            speaker,
+            representative_face,
             candidates: Vec::new(),
-            listed: Vec::new(),
-            listed_at: Vec::new(),
+            verlet_list: Vec::new(),
+            listed_pose: Vec::new(),
         }
     }
 
-    /// Looks for what is within the thickness at `pose` (`[V]`, m), and a little more.
-    pub(crate) fn look(&mut self, pose: &[Vec3]) {
-        self.list(pose);
-        let near =
-            |(pair, distance): &(Pair, f64)| self.ahead(pair, *distance, 0.0).then_some(*pair);
-        self.candidates = self.listed.par_iter().with_min_len(CHUNK).filter_map(near).collect();
+    /// Detects the candidates of contact at `pose` (`[V]`, m).
+    pub fn detect(&mut self, pose: &[Vec3]) {
+        self.build_list(pose);
+        let near = |(pair, distance): &(PrimitivePair, f64)| {
+            self.is_candidate(pair, *distance, 0.0).then_some(*pair)
+        };
+        self.candidates =
+            self.verlet_list.par_iter().with_min_len(CHUNK).filter_map(near).collect();
     }
 
-    /// The longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves` (`[V]`, m) that may be
-    /// made; from then on, energies anywhere on that way are true.
+    /// Collision-free step: the longest part (0 to 1) of the move of `pose` (`[V]`, m) by `moves`
+    /// (`[V]`, m) along which nothing collides. Afterwards energies anywhere on that step are
+    /// exact.
     ///
-    /// Where no vertex goes farther than the list foresaw, pairs are those listed; around the
-    /// others they are looked for.
-    pub(crate) fn look_ahead(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
+    /// Pairs come from the Verlet list where no vertex leaves its skin; around the other vertices
+    /// they are searched for.
+    pub fn collision_free_step(&mut self, pose: &[Vec3], moves: &[Vec3]) -> f64 {
         let most = moves.iter().map(|m| m.norm_squared()).fold(0.0, f64::max).sqrt();
         let part = if most > self.longest_m { self.longest_m / most } else { 1.0 };
         let end: Vec<Vec3> = pose.iter().zip(moves).map(|(p, m)| p + m * part).collect();
-        let mut gone = self.gone(pose, &end);
-        if FEW * self.fast(&gone) > self.topology.face_count() {
+        let mut displacement = self.displacement_m(pose, &end);
+        if FACES_PER_FAST_FACE * self.fast_face_count(&displacement) > self.topology.face_count() {
             let still: Vec<f64> = pose.iter().zip(&end).map(|(p, q)| (p - q).norm()).collect();
-            if FEW * self.fast(&still) <= self.topology.face_count() {
-                self.list(pose);
-                gone = still;
+            if FACES_PER_FAST_FACE * self.fast_face_count(&still) <= self.topology.face_count() {
+                self.build_list(pose);
+                displacement = still;
             }
         }
-        let room = self.room();
-        let way = |pair: &Pair| {
+        let half_skin = self.half_skin_m();
+        let way = |pair: &PrimitivePair| {
             let vertices = pair.vertices();
-            let way = advance(pair, vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
-            let soon = way.part < 1.0 || self.ahead(pair, way.least_distance, 0.0);
-            soon.then_some((*pair, way.part))
+            let (x, moves) = (vertices.map(|v| pose[v]), vertices.map(|v| moves[v] * part));
+            let way = collision_free_part(pair, x, moves);
+            let candidate = way.part < 1.0 || self.is_candidate(pair, way.least_distance, 0.0);
+            candidate.then_some((*pair, way.part))
         };
-        let of_listed = |(pair, distance): &(Pair, f64)| {
-            let foreseen = pair.vertices().iter().all(|&v| gone[v] <= room);
-            let stays_off = || distance - pair.most_nearer(&gone) >= AHEAD * self.thickness_m;
-            if foreseen && !stays_off() { way(pair) } else { None }
+        let of_listed = |(pair, distance): &(PrimitivePair, f64)| {
+            let in_skin = pair.vertices().iter().all(|&v| displacement[v] <= half_skin);
+            let reach = CANDIDATE_DISTANCE * self.thickness_m;
+            let stays_off = || distance - pair.approach_bound(&displacement) >= reach;
+            if in_skin && !stays_off() { way(pair) } else { None }
         };
-        let mut ways: Vec<(Pair, f64)> =
-            self.listed.par_iter().with_min_len(CHUNK).filter_map(of_listed).collect();
-        if gone.iter().any(|&gone| gone > room) {
-            let fast = |pair: &Pair| pair.vertices().iter().any(|&v| gone[v] > room);
+        let mut ways: Vec<(PrimitivePair, f64)> =
+            self.verlet_list.par_iter().with_min_len(CHUNK).filter_map(of_listed).collect();
+        if displacement.iter().any(|&displacement| displacement > half_skin) {
+            let fast =
+                |pair: &PrimitivePair| pair.vertices().iter().any(|&v| displacement[v] > half_skin);
             ways.extend(self.pairs_in_boxes(
                 |part| self.bounds(part, pose).merged(&self.bounds(part, &end)),
-                |f| self.topology.faces[f].iter().any(|&v| gone[v] > room),
+                |f| self.topology.faces[f].iter().any(|&v| displacement[v] > half_skin),
                 |pair| if fast(&pair) { way(&pair) } else { None },
             ));
         }
@@ -155,55 +163,52 @@ impl<'a> SelfContact<'a> {
         part * ways.iter().map(|(_, part)| *part).fold(1.0, f64::min)
     }
 
-    /// How far (m) a vertex may go from where it was when pairs were listed.
-    fn room(&self) -> f64 {
-        0.5 * SKIN * self.longest_m
+    /// Distance (m) that a vertex may move from the pose of the list.
+    fn half_skin_m(&self) -> f64 {
+        0.5 * VERLET_SKIN * self.longest_m
     }
 
-    /// `[V]` how far (m) each vertex is from where it was when pairs were listed, at most on a
-    /// straight way.
-    fn gone(&self, pose: &[Vec3], end: &[Vec3]) -> Vec<f64> {
-        if self.listed_at.len() != pose.len() {
+    /// `[V]` largest distance (m) of each vertex from the pose of the list, on the straight way
+    /// from `pose` to `end`.
+    fn displacement_m(&self, pose: &[Vec3], end: &[Vec3]) -> Vec<f64> {
+        if self.listed_pose.len() != pose.len() {
             return vec![f64::INFINITY; pose.len()];
         }
         let from = |v: usize| {
-            (pose[v] - self.listed_at[v]).norm().max((end[v] - self.listed_at[v]).norm())
+            (pose[v] - self.listed_pose[v]).norm().max((end[v] - self.listed_pose[v]).norm())
         };
         (0..pose.len()).map(from).collect()
     }
 
-    /// How many faces have a vertex that goes farther than was foreseen.
-    fn fast(&self, gone: &[f64]) -> usize {
-        let room = self.room();
-        self.topology.faces.iter().filter(|face| face.iter().any(|&v| gone[v] > room)).count()
+    /// Number of faces with a vertex that leaves its skin.
+    fn fast_face_count(&self, displacement: &[f64]) -> usize {
+        let half_skin = self.half_skin_m();
+        let leaves = |face: &&[usize; 3]| face.iter().any(|&v| displacement[v] > half_skin);
+        self.topology.faces.iter().filter(leaves).count()
     }
 
-    /// Lists what can be near while nothing moves far from `pose` (`[V]`, m).
-    fn list(&mut self, pose: &[Vec3]) {
-        let room = self.room();
-        let near = |pair: Pair| {
-            let distance = pair.near(pair.vertices().map(|v| pose[v])).distance;
-            self.ahead(&pair, distance, 2.0 * room).then_some((pair, distance))
+    /// Builds the Verlet list around `pose` (`[V]`, m).
+    fn build_list(&mut self, pose: &[Vec3]) {
+        let half_skin = self.half_skin_m();
+        let near = |pair: PrimitivePair| {
+            let distance = pair.closest_points(pair.vertices().map(|v| pose[v])).distance;
+            self.is_candidate(&pair, distance, 2.0 * half_skin).then_some((pair, distance))
         };
-        self.listed =
-            self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(room), |_| true, near);
-        self.listed_at = pose.to_vec();
+        self.verlet_list =
+            self.pairs_in_boxes(|part| self.bounds(part, pose).loosened(half_skin), |_| true, near);
+        self.listed_pose = pose.to_vec();
     }
 
-    /// Whether a pair touches at `pose` (`[V]`, m) or soon may, or both within `skin` (m) of that.
-    fn near(&self, pair: &Pair, pose: &[Vec3], skin: f64) -> bool {
-        self.ahead(pair, pair.near(pair.vertices().map(|v| pose[v])).distance, skin)
+    /// True if a pair at this `distance` (m) is a candidate of contact, or within `skin` (m) of it.
+    fn is_candidate(&self, pair: &PrimitivePair, distance: f64, skin: f64) -> bool {
+        distance < CANDIDATE_DISTANCE * self.thickness_m + skin
+            && distance < CANDIDATE_DISTANCE * self.thickness_m(pair) + skin
     }
 
-    fn ahead(&self, pair: &Pair, distance: f64, skin: f64) -> bool {
-        distance < AHEAD * self.thickness_m + skin
-            && distance < AHEAD * self.thickness_m(pair) + skin
-    }
-
-    /// The box of the vertices `part` at `pose` (`[V]`, m), and half the reach on each of two
-    /// parts.
+    /// Bounding box of the vertices `part` at `pose` (`[V]`, m), loosened by half the distance of
+    /// candidates.
     fn bounds(&self, part: &[usize], pose: &[Vec3]) -> Aabb {
-        let half = Vector::splat(0.5 * AHEAD * self.thickness_m);
+        let half = Vector::splat(0.5 * CANDIDATE_DISTANCE * self.thickness_m);
         let place = |v: usize| Vector::new(pose[v].x, pose[v].y, pose[v].z);
         let first = place(part[0]);
         let ends = part[1..]
@@ -212,19 +217,19 @@ impl<'a> SelfContact<'a> {
         Aabb::new(ends[0] - half, ends[1] + half)
     }
 
-    /// What `keep` makes of all pairs whose boxes meet and of which one is on an `asked` face, each
-    /// once, in a fixed order.
+    /// Broad phase: all pairs whose boxes meet and of which one is on an `asked` face, each once,
+    /// in a fixed order, mapped by `keep`.
     fn pairs_in_boxes<T: Send>(
         &self,
         bounds: impl Fn(&[usize]) -> Aabb + Sync + Send,
         asked: impl Fn(usize) -> bool + Sync + Send,
-        keep: impl Fn(Pair) -> Option<T> + Sync + Send,
+        keep: impl Fn(PrimitivePair) -> Option<T> + Sync + Send,
     ) -> Vec<T> {
         let topology = self.topology;
         let faces: Vec<Aabb> =
             topology.faces.par_iter().with_min_len(CHUNK).map(|face| bounds(face)).collect();
         let is_asked: Vec<bool> = (0..faces.len()).map(asked).collect();
-        // What is far from all that is asked needs no looking at.
+        // Faces far from all asked ones are left out.
         let Some(around) = (0..faces.len())
             .filter(|&f| is_asked[f])
             .map(|f| faces[f])
@@ -258,13 +263,13 @@ impl<'a> SelfContact<'a> {
                     for (from, to) in [(f, g), (g, f)] {
                         let [a, b, c] = topology.faces[to];
                         for v in topology.faces[from] {
-                            if self.speaker[v] == from
+                            if self.representative_face[v] == from
                                 && v != a
                                 && v != b
                                 && v != c
                                 && vertices[v].intersects(&faces[to])
                             {
-                                kept.extend(keep(Pair::VertexFace([v, a, b, c])));
+                                kept.extend(keep(PrimitivePair::VertexFace([v, a, b, c])));
                             }
                         }
                     }
@@ -278,7 +283,7 @@ impl<'a> SelfContact<'a> {
                         for second in own(g).filter(|&e| edges[e].intersects(&edges[first])) {
                             let [c, d] = topology.edges[second];
                             if a != c && a != d && b != c && b != d {
-                                kept.extend(keep(Pair::Edges([a, b, c, d])));
+                                kept.extend(keep(PrimitivePair::Edges([a, b, c, d])));
                             }
                         }
                     }
@@ -295,13 +300,14 @@ impl<'a> SelfContact<'a> {
     }
 
     /// Thickness (m) of a pair; none if the starting surface leaves none.
-    fn thickness_m(&self, pair: &Pair) -> f64 {
-        self.thickness_m.min(0.5 * pair.near(pair.vertices().map(|v| self.start[v])).distance)
+    fn thickness_m(&self, pair: &PrimitivePair) -> f64 {
+        self.thickness_m
+            .min(0.5 * pair.closest_points(pair.vertices().map(|v| self.start[v])).distance)
     }
 
-    /// Where a pair is near, with its thickness (m) and strength (N), if it is in touch.
-    fn in_touch(&self, pair: &Pair, x: [Vec3; 4]) -> Option<(Near, f64, f64)> {
-        let near = pair.near(x);
+    /// Closest points, thickness (m) and strength (N) of a pair, if it is an active contact.
+    fn active(&self, pair: &PrimitivePair, x: [Vec3; 4]) -> Option<(ClosestPoints, f64, f64)> {
+        let near = pair.closest_points(x);
         if near.distance >= self.thickness_m {
             return None;
         }
@@ -311,14 +317,14 @@ impl<'a> SelfContact<'a> {
     }
 
     /// Energy (J) at `pose` (`[V]`, m).
-    pub(crate) fn energy(&self, pose: &[Vec3]) -> f64 {
-        let of_pair = |pair: &Pair| {
+    pub fn energy(&self, pose: &[Vec3]) -> f64 {
+        let of_pair = |pair: &PrimitivePair| {
             let x = pair.vertices().map(|v| pose[v]);
-            self.in_touch(pair, x).map_or(0.0, |(near, thickness_m, strength)| {
+            self.active(pair, x).map_or(0.0, |(near, thickness_m, strength)| {
                 strength
                     * thickness_m
                     * barrier(near.distance / thickness_m)[0]
-                    * self.slant(pair, x).0
+                    * self.mollifier(pair, x).0
             })
         };
         let sums: Vec<f64> = self
@@ -329,38 +335,42 @@ impl<'a> SelfContact<'a> {
         sums.iter().sum()
     }
 
-    /// What touches at `pose` (`[V]`, m).
-    pub(crate) fn touches(&self, pose: &[Vec3]) -> Vec<Touch> {
-        let of_pair = |pair: &Pair| {
+    /// Active contacts at `pose` (`[V]`, m).
+    pub fn contacts(&self, pose: &[Vec3]) -> Vec<Contact> {
+        let of_pair = |pair: &PrimitivePair| {
             let vertices = pair.vertices();
             let x = vertices.map(|v| pose[v]);
-            self.in_touch(pair, x).map(|(near, thickness_m, strength)| {
-                let [value, down, bend] =
+            self.active(pair, x).map(|(near, thickness_m, strength)| {
+                let [value, first, second] =
                     barrier(near.distance / thickness_m).map(|b| strength * b);
-                let (factor, slant) = self.slant(pair, x);
+                let (factor, factor_slope) = self.mollifier(pair, x);
                 let slope = near.weights.map(|w| near.normal * w);
                 let gradient = std::array::from_fn(|k| {
-                    slope[k] * (down * factor) + slant[k] * (value * thickness_m)
+                    slope[k] * (first * factor) + factor_slope[k] * (value * thickness_m)
                 });
-                Touch { vertices, gradient, slope, bend: factor * bend / thickness_m, loose: false }
+                let stiffness = factor * second / thickness_m;
+                Contact { vertices, gradient, slope, stiffness, uncoupled: false }
             })
         };
         self.candidates.par_iter().with_min_len(CHUNK).filter_map(of_pair).collect()
     }
 
-    /// The vertices of all pairs that touch at `pose` (`[V]`, m) or soon may.
-    pub(crate) fn soon(&self, pose: &[Vec3]) -> Vec<[usize; 4]> {
-        let near = |pair: &Pair| self.near(pair, pose, 0.0).then(|| pair.vertices());
+    /// The vertices of all candidates at `pose` (`[V]`, m).
+    pub fn nearby(&self, pose: &[Vec3]) -> Vec<[usize; 4]> {
+        let near = |pair: &PrimitivePair| {
+            let distance = pair.closest_points(pair.vertices().map(|v| pose[v])).distance;
+            self.is_candidate(pair, distance, 0.0).then(|| pair.vertices())
+        };
         self.candidates.par_iter().with_min_len(CHUNK).filter_map(near).collect()
     }
 
-    /// The factor for edges that are nearly parallel, and its slope (1/m) by each vertex; 1 for all
-    /// others.
-    fn slant(&self, pair: &Pair, x: [Vec3; 4]) -> (f64, [Vec3; 4]) {
+    /// Mollifier of edges that are nearly parallel, and its gradient (1/m) by each vertex; 1 for
+    /// all other pairs.
+    fn mollifier(&self, pair: &PrimitivePair, x: [Vec3; 4]) -> (f64, [Vec3; 4]) {
         const FULL: (f64, [Vec3; 4]) = (1.0, [Vec3::new(0.0, 0.0, 0.0); 4]);
-        let Pair::Edges([a, b, c, d]) = *pair else { return FULL };
+        let PrimitivePair::Edges([a, b, c, d]) = *pair else { return FULL };
         let (u, v) = (x[1] - x[0], x[3] - x[2]);
-        let most = PARALLEL
+        let most = MOLLIFIER_THRESHOLD
             * (self.start[b] - self.start[a]).norm_squared()
             * (self.start[d] - self.start[c]).norm_squared();
         let cross = u.cross(&v);
@@ -408,20 +418,22 @@ mod tests {
                     p + by - if v < 3 { Vec3::zeros() } else { Vec3::new(0.3, 0.1, 2.75) }
                 })
                 .collect();
-            contact.look(&pose);
+            contact.detect(&pose);
             let x: Vec<f64> = pose.iter().flat_map(|p| p.iter().copied()).collect();
             let at = |y: &[f64]| {
                 contact
                     .energy(&y.chunks(3).map(|p| Vec3::new(p[0], p[1], p[2])).collect::<Vec<_>>())
             };
-            let (touches, mut gradient) = (contact.touches(&pose), vec![0.0; 18]);
+            let (touches, mut gradient) = (contact.contacts(&pose), vec![0.0; 18]);
             assert!(touches.len() > 3);
             for touch in &touches {
                 for (v, force) in touch.vertices.iter().zip(&touch.gradient) {
                     (0..3).for_each(|axis| gradient[3 * v + axis] += force[axis]);
                 }
             }
-            let soft = |pair: &Pair| contact.slant(pair, pair.vertices().map(|v| pose[v])).0 < 1.0;
+            let soft = |pair: &PrimitivePair| {
+                contact.mollifier(pair, pair.vertices().map(|v| pose[v])).0 < 1.0
+            };
             slanted += contact.candidates.iter().filter(|pair| soft(pair)).count();
             let e = gradient_error(&x, 0.01, &gradient, at);
             assert!(e < 2e-5, "{n}: {e:e}");
@@ -442,11 +454,11 @@ mod tests {
             })
             .collect();
         let mut contact = SelfContact::new(&topology, &start, 0.5, 10.0, &[1.0; 6]);
-        contact.look(&start);
+        contact.detect(&start);
         assert_eq!(contact.energy(&start), 0.0);
         let down: Vec<Vec3> =
             (0..6).map(|v| Vec3::new(0.01, 0.02, if v < 3 { 0.0 } else { -5.0 })).collect();
-        let part = contact.look_ahead(&start, &down);
+        let part = contact.collision_free_step(&start, &down);
         assert!(part > 0.01 && part < 0.02, "{part}");
         let near: Vec<Vec3> = start.iter().zip(&down).map(|(p, m)| p + m * part).collect();
         assert!(contact.energy(&near) > 0.0);

@@ -12,12 +12,11 @@ use super::pressure;
 use super::quadratic_bending::QuadraticBending;
 use super::setup::{Clamps, Setup};
 use super::tension_field::{FaceHessian, Membrane};
+use crate::linalg::ordered_sum::{CHUNK, ordered_sum};
 use crate::linalg::sparse::SymmetricPattern;
 use crate::linalg::{Problem, PsdProjection};
 use crate::mesh::{NONE, Vec3};
 
-/// Faces a thread takes at once.
-const CHUNK: usize = 128;
 /// Faces whose element Hessians are added at once.
 const BUFFER: usize = 2048;
 
@@ -140,15 +139,7 @@ impl<'a> Equilibrium<'a> {
         bending: Bending,
     ) -> Self {
         let topology = setup.topology;
-        let mut size = 0;
-        let mut number = |target: Option<f64>| {
-            if target.is_some() {
-                return NONE;
-            }
-            size += 1;
-            size - 1
-        };
-        let unknown: Vec<[usize; 3]> = held.targets.iter().map(|t| t.map(&mut number)).collect();
+        let (unknown, size) = held.free_coordinates();
         let mut faces = Elements::new(topology.faces.iter().map(|face| face.to_vec()), &unknown);
         let hinge_vertices: Vec<Vec<usize>> = match &bending {
             Bending::Quadratic(_) => Vec::new(),
@@ -296,17 +287,9 @@ impl<'a> Equilibrium<'a> {
         energy
     }
 
-    /// Sum over 0..n in a fixed order, whatever the number of threads.
-    fn sum(n: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-        let chunks = n.div_ceil(CHUNK);
-        let part = |c: usize| -> f64 { (c * CHUNK..n.min((c + 1) * CHUNK)).map(&term).sum() };
-        let sums: Vec<f64> = (0..chunks).into_par_iter().map(part).collect();
-        sums.iter().sum()
-    }
-
     fn energy_here(&self) -> f64 {
-        let faces = Self::sum(self.setup.topology.face_count(), |f| self.face_energy(f));
-        (faces + Self::sum(self.pose.len(), |v| self.vertex_energy(v))) / self.unit_joule
+        let faces = ordered_sum(self.setup.topology.face_count(), |f| self.face_energy(f));
+        (faces + ordered_sum(self.pose.len(), |v| self.vertex_energy(v))) / self.unit_joule
     }
 
     fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {

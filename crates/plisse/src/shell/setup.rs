@@ -4,7 +4,7 @@ use super::loads::Loads;
 use crate::Result;
 use crate::error::SetupError;
 use crate::material::Material;
-use crate::mesh::{Topology, Vec3};
+use crate::mesh::{NONE, Topology, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 
@@ -24,6 +24,21 @@ impl Clamps {
     /// Holds all coordinates of vertex `v` at `position` (m).
     pub fn hold(&mut self, v: usize, position: Vec3) {
         self.targets[v] = [Some(position.x), Some(position.y), Some(position.z)];
+    }
+
+    /// `[V][3]` numbers of the free coordinates, vertex by vertex, [`NONE`] for held ones; and their
+    /// count.
+    pub(crate) fn free_coordinates(&self) -> (Vec<[usize; 3]>, usize) {
+        let mut count = 0;
+        let mut number = |target: Option<f64>| {
+            if target.is_some() {
+                return NONE;
+            }
+            count += 1;
+            count - 1
+        };
+        let numbers = self.targets.iter().map(|target| target.map(&mut number)).collect();
+        (numbers, count)
     }
 
     /// `[V]` whether any coordinate of each vertex is held.

@@ -2,50 +2,51 @@
 //! Neyret 2002]).
 //!
 //! The pattern is chosen, and grows, on a mesh just fine enough to carry it; only then the mesh is
-//! made as fine as the result shall be, and each refinement needs a few iterations, because it
-//! begins where the coarser one ended, with new vertices on the curves that its normals tell
-//! ([`MidpointPlacement`]). What the surface carries goes with it; the expansion acts on the ungrown rest
+//! made as fine as the result shall be. Each refinement needs a few iterations, because it begins
+//! where the coarser one ended, with new vertices on curves given by the normals
+//! ([`MidpointPlacement`]). The maps go with the mesh; the expansion acts on the ungrown rest
 //! metric, whatever the mesh.
 
 mod remesh_surface;
 
-pub use remesh_surface::Surface;
+pub use remesh_surface::GrownSurface;
 
 use web_time::Instant;
 
-use super::equilibrate::{Effort, settle_part};
-use super::load_stepping::{GrowthOptions, GrowthReport, StepReport, choosing_part};
-use super::surface::Growing;
+use super::equilibrate::{FilmModel, StopCriteria};
+use super::load_stepping::{
+    GrowthOptions, GrowthReport, LoadSteps, StepReport, pattern_selection_part,
+};
+use super::surface::GrowingSurface;
 use crate::linalg::Ending;
-use crate::mesh::Vec2;
 use crate::progress::Observer;
 use crate::remesh::{MidpointPlacement, RemeshOptions, RemeshReport};
-use crate::rest::RestMetric;
 use crate::{Error, Result};
 
-/// Growth (factor of length less 1) below which a place is left coarse, as in remeshing.
-const QUIET: f64 = 1e-9;
-/// How much more force than at the end may be left after a step on the coarse mesh, and how many
-/// iterations it may take.
-const ON_THE_WAY: (f64, usize) = (30.0, 30);
-/// By how much finer each level of the end is than the one before.
-const REFINING: f64 = 2.0;
+/// Growth (factor of length less 1) below which the mesh is left coarse, as in remeshing.
+const NO_GROWTH: f64 = 1e-9;
+/// Tolerance of a step that others follow, over that of the last one.
+const INTERMEDIATE_TOLERANCE: f64 = 30.0;
+/// Newton iterations at most of a step that others follow.
+const INTERMEDIATE_ITERATIONS: usize = 30;
+/// Factor between the edges to a wavelength of successive refinements at the end.
+const REFINEMENT: f64 = 2.0;
 
-/// How the mesh follows the folds.
+/// Options of the mesh that follows the folds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AdaptOptions {
     /// Edges to a wavelength where it grows, while it does.
     pub edges_per_wave: f64,
     /// The same at the end.
     pub finish_edges_per_wave: f64,
-    /// How long edges should be where nothing grows (m).
+    /// Length (m) of edges where nothing grows.
     pub longest_m: f64,
-    /// No vertex is added beyond this many.
+    /// Number of vertices beyond which none is added.
     pub most_vertices: usize,
     /// Angle (rad) between the normals at an edge's ends above which it should be shorter, down to
     /// a half.
     pub normal_angle: f64,
-    /// Where new vertices go.
+    /// Placement of new vertices.
     pub midpoints: MidpointPlacement,
     /// Newton iterations at most on each of the finer meshes at the end.
     pub finish_iterations: usize,
@@ -65,33 +66,33 @@ impl AdaptOptions {
         }
     }
 
-    /// About how many vertices `growing` has at the end.
-    pub fn vertices(&self, growing: &Growing<'_>) -> f64 {
+    /// Estimated number of vertices of `surface` at the end.
+    pub fn vertices(&self, surface: &GrowingSurface) -> f64 {
         let of = |(f, face): (usize, &[usize; 3])| {
-            let grows =
-                |v: usize| growing.maps.expansion.vertices[v].principal().0[0] > 1.0 + QUIET;
-            let fine =
-                face.iter().map(|&v| growing.maps.wavelength_m[v]).fold(f64::INFINITY, f64::min)
-                    / self.finish_edges_per_wave;
+            let at = &surface.maps.vertices;
+            let grows = |v: usize| at[v].growth.principal().0[0] > 1.0 + NO_GROWTH;
+            let fine = face.iter().map(|&v| at[v].wavelength_m).fold(f64::INFINITY, f64::min)
+                / self.finish_edges_per_wave;
             let edge = if face.iter().any(|&v| grows(v)) {
                 fine.min(self.longest_m)
             } else {
                 self.longest_m
             };
             // Two regular triangles to a vertex.
-            growing.rest.faces[f].area_m2 / (0.75_f64.sqrt() * edge * edge)
+            surface.rest.faces[f].area_m2 / (0.75_f64.sqrt() * edge * edge)
         };
-        growing.topology.faces.iter().enumerate().map(of).sum()
+        surface.topology.faces.iter().enumerate().map(of).sum()
     }
 
-    /// Whether `growing` can grow on a mesh that follows its folds.
+    /// Checks that `surface` can grow on a mesh that follows its folds.
     ///
     /// # Errors
-    /// [`Error::Value`] for options that are none, for folds too narrow for [`AdaptOptions::most_vertices`], for plasticity; else as
-    /// [`Growing::check`], but faces may be of any size.
-    pub fn check(&self, growing: &Growing<'_>, options: &GrowthOptions) -> Result<()> {
-        growing.check_start()?;
-        growing.check_maps()?;
+    /// [`Error::Value`] for options out of range, for folds too narrow for
+    /// [`AdaptOptions::most_vertices`], for plasticity; else as [`GrowingSurface::check`], but faces
+    /// may be of any size.
+    pub fn check(&self, surface: &GrowingSurface, options: &GrowthOptions) -> Result<()> {
+        surface.check_start()?;
+        surface.check_maps()?;
         let place = |name: &str| format!("growth.remesh.{name}");
         for (name, edges) in [
             ("edges_per_wave", self.edges_per_wave),
@@ -125,16 +126,17 @@ impl AdaptOptions {
                 "plasticity is kept on edges, which remeshing changes; give one of them only",
             ));
         }
-        let need = self.vertices(growing);
+        let need = self.vertices(surface);
         if need > self.most_vertices as f64 {
-            Err(self.too_narrow(growing, &format!("about {need:.0} vertices, more than")))
+            Err(self.too_narrow(surface, &format!("about {need:.0} vertices, more than")))
         } else {
             Ok(())
         }
     }
 
-    fn too_narrow(&self, growing: &Growing<'_>, need: &str) -> Error {
-        let narrowest = growing.maps.wavelength_m.iter().copied().fold(f64::INFINITY, f64::min);
+    fn too_narrow(&self, surface: &GrowingSurface, need: &str) -> Error {
+        let narrowest =
+            surface.maps.vertices.iter().map(|at| at.wavelength_m).fold(f64::INFINITY, f64::min);
         let message = format!(
             "folds down to {narrowest:.3e} m apart need {need} growth.remesh.most_vertices = {}; \
              ask for wider folds or raise it",
@@ -145,6 +147,8 @@ impl AdaptOptions {
 
     fn remeshing(&self, edges_per_wave: f64) -> RemeshOptions {
         RemeshOptions {
+            wavelength_channel: remesh_surface::WAVELENGTH,
+            growth_channel: Some(remesh_surface::GROWTH),
             edges_per_wave,
             normal_angle: self.normal_angle,
             most_vertices: self.most_vertices,
@@ -154,7 +158,7 @@ impl AdaptOptions {
     }
 }
 
-/// What happened on one mesh.
+/// Report on one mesh.
 #[derive(Clone, Debug)]
 pub struct MeshStage {
     /// Edges asked for to a wavelength.
@@ -163,7 +167,7 @@ pub struct MeshStage {
     pub vertices: usize,
     /// Faces after remeshing.
     pub faces: usize,
-    /// How the mesh was made.
+    /// Report on the remeshing that made it.
     pub remesh: RemeshReport,
     /// Seconds of remeshing.
     pub remesh_seconds: f64,
@@ -175,7 +179,7 @@ pub struct MeshStage {
     pub residual: f64,
 }
 
-/// How a surface grew on meshes that followed it.
+/// Report on growth on meshes that followed the folds.
 #[derive(Clone, Debug)]
 pub struct AdaptReport {
     /// Steps, what was asked on the last mesh, seconds.
@@ -184,62 +188,54 @@ pub struct AdaptReport {
     pub meshes: Vec<MeshStage>,
 }
 
-/// Goes through the `parts` of the growth of `growing` (as [`super::grow_each`], which see for
-/// `each`) on meshes that follow its folds, from its starting surface, with texture places
-/// (`[F][3]`) or none. The mesh is looked at again after every step, and refined twofold and again
-/// at the end. Where nothing grows at all, nothing is changed.
+/// Follows load steps, as [`super::follow_each`], on meshes that follow the folds, from the
+/// starting surface of `start` on. The mesh is adapted after every step, and refined twofold and
+/// again at the end. Where nothing grows at all, nothing is changed.
 ///
 /// # Errors
 /// As [`AdaptOptions::check`] and [`super::grow`]; those of `each`.
-pub fn grow_adapting<'a>(
-    growing: &Growing<'a>,
-    uvs: Option<Vec<[Vec2; 3]>>,
-    parts: &[f64],
-    options: &GrowthOptions,
+pub fn follow_adapting(
+    start: GrownSurface,
+    steps: &LoadSteps<'_>,
     adapt: &AdaptOptions,
     observer: &dyn Observer,
-    each: &mut dyn FnMut(&StepReport, &Surface<'a>) -> Result<()>,
-) -> Result<(Surface<'a>, AdaptReport)> {
+    each: &mut dyn FnMut(&StepReport, &GrownSurface) -> Result<()>,
+) -> Result<(GrownSurface, AdaptReport)> {
     let begun = Instant::now();
-    adapt.check(growing, options)?;
-    let mut run = Run {
-        surface: Surface::new(growing, uvs),
-        adapt,
-        options,
-        observer,
-        steps: Vec::new(),
-        meshes: Vec::new(),
-    };
-    let choosing = choosing_part(growing, options);
-    let grows = !growing.maps.expansion.is_none();
+    let LoadSteps { parts, options } = *steps;
+    adapt.check(&start.surface, options)?;
+    let selection = pattern_selection_part(&start.surface, options);
+    let grows = !start.surface.maps.expansion().is_none();
+    let (reports, meshes) = (Vec::new(), Vec::new());
+    let mut run = Run { grown: start, adapt, options, observer, each, reports, meshes };
     if grows {
         run.remesh(adapt.edges_per_wave)?;
     } else {
-        run.stay(adapt.edges_per_wave);
+        run.begin_stage(adapt.edges_per_wave);
     }
     for (n, &part) in parts.iter().enumerate() {
         let last = n + 1 == parts.len() && adapt.finish_edges_per_wave == adapt.edges_per_wave;
-        let effort = if last || part <= choosing {
-            Effort::exact(options)
+        let criteria = if last || part <= selection {
+            StopCriteria::full(options)
         } else {
-            Effort::of(options, ON_THE_WAY)
+            StopCriteria::loosened(options, INTERMEDIATE_TOLERANCE, INTERMEDIATE_ITERATIONS)
         };
-        if !run.settle(part, effort, each)? {
+        if !run.equilibrate(part, criteria)? {
             return run.finish(begun);
         }
-        if grows && part > choosing && n + 1 < parts.len() {
+        if grows && part > selection && n + 1 < parts.len() {
             run.remesh(adapt.edges_per_wave)?;
         }
     }
     let part = parts.last().copied().unwrap_or(0.0);
     let mut edges = adapt.edges_per_wave;
     while grows && edges < adapt.finish_edges_per_wave {
-        edges = (edges * REFINING).min(adapt.finish_edges_per_wave);
+        edges = (edges * REFINEMENT).min(adapt.finish_edges_per_wave);
         run.remesh(edges)?;
         let last = edges == adapt.finish_edges_per_wave;
-        let effort =
-            Effort::of(options, (if last { 1.0 } else { ON_THE_WAY.0 }, adapt.finish_iterations));
-        if !run.settle(part, effort, each)? {
+        let factor = if last { 1.0 } else { INTERMEDIATE_TOLERANCE };
+        let criteria = StopCriteria::loosened(options, factor, adapt.finish_iterations);
+        if !run.equilibrate(part, criteria)? {
             break;
         }
     }
@@ -247,22 +243,24 @@ pub fn grow_adapting<'a>(
 }
 
 /// A growth under way.
-struct Run<'a, 'b> {
-    surface: Surface<'a>,
-    adapt: &'b AdaptOptions,
-    options: &'b GrowthOptions,
-    observer: &'b dyn Observer,
-    steps: Vec<StepReport>,
+struct Run<'a> {
+    grown: GrownSurface,
+    adapt: &'a AdaptOptions,
+    options: &'a GrowthOptions,
+    observer: &'a dyn Observer,
+    each: &'a mut dyn FnMut(&StepReport, &GrownSurface) -> Result<()>,
+    reports: Vec<StepReport>,
     meshes: Vec<MeshStage>,
 }
 
-impl<'a> Run<'a, '_> {
-    /// Goes on with the mesh as it is.
-    fn stay(&mut self, edges_per_wave: f64) {
+impl Run<'_> {
+    /// Begins the record of the present mesh.
+    fn begin_stage(&mut self, edges_per_wave: f64) {
+        let topology = &self.grown.surface.topology;
         self.meshes.push(MeshStage {
             edges_per_wave,
-            vertices: self.surface.topology.vertex_count,
-            faces: self.surface.topology.face_count(),
+            vertices: topology.vertex_count,
+            faces: topology.face_count(),
             remesh: RemeshReport::default(),
             remesh_seconds: 0.0,
             iterations: 0,
@@ -274,14 +272,14 @@ impl<'a> Run<'a, '_> {
     /// Remeshes; a mesh that did not change is not counted again.
     fn remesh(&mut self, edges_per_wave: f64) -> Result<()> {
         let begun = Instant::now();
-        let report = self.surface.remesh(&self.adapt.remeshing(edges_per_wave))?;
+        let report = self.grown.remesh(&self.adapt.remeshing(edges_per_wave))?;
         if report.limited {
-            return Err(self.adapt.too_narrow(&self.surface.growing(), "more vertices than"));
+            return Err(self.adapt.too_narrow(&self.grown.surface, "more vertices than"));
         }
         let seconds = begun.elapsed().as_secs_f64();
         let same = report.splits + report.swaps + report.collapses == 0;
         if !same || self.meshes.last().is_none_or(|mesh| mesh.edges_per_wave != edges_per_wave) {
-            self.stay(edges_per_wave);
+            self.begin_stage(edges_per_wave);
         }
         if let Some(mesh) = self.meshes.last_mut() {
             mesh.remesh_seconds += seconds;
@@ -292,42 +290,32 @@ impl<'a> Run<'a, '_> {
         Ok(())
     }
 
-    /// One step on the mesh there is; whether to go on.
-    fn settle(
-        &mut self,
-        part: f64,
-        effort: Effort,
-        each: &mut dyn FnMut(&StepReport, &Surface<'a>) -> Result<()>,
-    ) -> Result<bool> {
+    /// One load step on the present mesh; false if it was cancelled.
+    fn equilibrate(&mut self, part: f64, criteria: StopCriteria) -> Result<bool> {
         let begun = Instant::now();
-        let mut pose = self.surface.pose.clone();
-        let step = settle_part(
-            &self.surface.growing(),
+        let mut pose = self.grown.pose.clone();
+        let step = FilmModel::new(&self.grown.surface, self.options, None)?.equilibrate_part(
             part,
-            effort,
-            self.options,
-            None,
+            criteria,
             &mut pose,
             self.observer,
         )?;
-        self.surface.pose = pose;
+        self.grown.pose = pose;
         if let Some(mesh) = self.meshes.last_mut() {
             mesh.iterations += step.iterations;
             mesh.solve_seconds += begun.elapsed().as_secs_f64();
             mesh.residual = step.residual;
         }
-        each(&step, &self.surface)?;
+        (self.each)(&step, &self.grown)?;
         let goes_on = step.ending != Ending::Cancelled;
-        self.steps.push(step);
+        self.reports.push(step);
         Ok(goes_on)
     }
 
-    fn finish(self, begun: Instant) -> Result<(Surface<'a>, AdaptReport)> {
-        let surface = self.surface;
-        let asked: RestMetric =
-            surface.maps.expansion.act_on(&surface.topology, &surface.start, &surface.rest)?;
+    fn finish(self, begun: Instant) -> Result<(GrownSurface, AdaptReport)> {
+        let asked = self.grown.surface.asked()?;
         let growth =
-            GrowthReport { steps: self.steps, asked, seconds: begun.elapsed().as_secs_f64() };
-        Ok((surface, AdaptReport { growth, meshes: self.meshes }))
+            GrowthReport { steps: self.reports, asked, seconds: begun.elapsed().as_secs_f64() };
+        Ok((self.grown, AdaptReport { growth, meshes: self.meshes }))
     }
 }

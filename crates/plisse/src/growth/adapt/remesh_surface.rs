@@ -1,178 +1,142 @@
-//! A growing surface with everything it carries, from mesh to mesh.
+//! A grown surface and its remeshing, with everything that it carries.
 
-use crate::growth::expansion::{Expansion, GrowthTensor};
-use crate::growth::maps::GrowthMaps;
-use crate::growth::surface::Growing;
+use crate::growth::expansion::GrowthTensor;
+use crate::growth::maps::{GrowthAt, SCALAR_MAPS};
+use crate::growth::surface::GrowingSurface;
 use crate::mesh::crossing::crossing_pairs;
 use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::{Topology, Vec2, Vec3};
-use crate::obstacle::Obstacle;
-use crate::remesh::{MidpointPlacement, RemeshOptions, RemeshReport, SurfaceMesh, remesh};
+use crate::remesh::{
+    MidpointPlacement, RemeshOptions, RemeshOutcome, RemeshReport, SurfaceMesh, remesh,
+};
 use crate::rest::RestMetric;
-use crate::shell::Loads;
 use crate::{At, Result};
 
-/// Channels of a sheet: λ, largest factor, Λ, bias, stickiness, hold, three of the place, six of ln
-/// τ. One for each band follows.
-const CHANNELS: usize = 15;
-/// Where the place and ln τ begin among them.
-const PLACE: usize = 6;
-const LOGARITHM: usize = 9;
+/// Channel of λ: the first of the scalar maps, which come first.
+pub(super) const WAVELENGTH: usize = 0;
+/// Channel of the largest factor of length.
+pub(super) const GROWTH: usize = SCALAR_MAPS.len();
+/// First of the three channels of the place from which imperfections are drawn.
+const PLACE: usize = GROWTH + 1;
+/// First of the six channels of ln τ.
+const LOGARITHM: usize = PLACE + 3;
+/// First of the channels of bands: 1 for each of a band's vertices, 0 for all others.
+const BAND: usize = LOGARITHM + 6;
 
-/// What [`Growing`] borrows, owned: its mesh changes as it grows.
+/// A growing surface in its pose.
 #[derive(Clone, Debug)]
-pub struct Surface<'a> {
-    /// Connectivity.
-    pub topology: Topology,
-    /// `[F]` rest metric before growth.
-    pub rest: RestMetric,
-    /// `[V]` the starting surface (m).
-    pub start: Vec<Vec3>,
+pub struct GrownSurface {
+    /// The surface.
+    pub surface: GrowingSurface,
     /// `[V]` the pose (m).
     pub pose: Vec<Vec3>,
-    /// `[V]` places (m) from which imperfections are drawn.
-    pub places: Vec<Vec3>,
-    /// How each vertex grows, and folds while it does.
-    pub maps: GrowthMaps,
     /// `[F][3]` texture places.
     pub uvs: Option<Vec<[Vec2; 3]>>,
-    /// What pushes.
-    pub loads: Loads,
-    /// Bodies that no vertex enters.
-    pub obstacles: &'a [Obstacle],
-    /// Distance (m) from an obstacle within which it pushes back.
-    pub contact_thickness_m: f64,
-    /// Whether folds keep from passing through each other.
-    pub self_contact: bool,
 }
 
-impl<'a> Surface<'a> {
-    /// The surface of `growing` where it starts, with texture places (`[F][3]`) or none.
-    pub fn new(growing: &Growing<'a>, uvs: Option<Vec<[Vec2; 3]>>) -> Self {
-        Self {
-            topology: growing.topology.clone(),
-            rest: growing.rest.clone(),
-            start: growing.start.to_vec(),
-            pose: growing.start.to_vec(),
-            places: growing.places.clone(),
-            maps: growing.maps.clone(),
-            uvs,
-            loads: growing.loads.clone(),
-            obstacles: growing.obstacles,
-            contact_thickness_m: growing.contact_thickness_m,
-            self_contact: growing.self_contact,
-        }
-    }
-
-    /// As [`crate::growth::grow`] takes it.
-    pub fn growing(&self) -> Growing<'_> {
-        Growing {
-            topology: &self.topology,
-            rest: &self.rest,
-            start: &self.start,
-            places: self.places.clone(),
-            maps: self.maps.clone(),
-            loads: self.loads.clone(),
-            obstacles: self.obstacles,
-            contact_thickness_m: self.contact_thickness_m,
-            self_contact: self.self_contact,
-        }
+impl GrownSurface {
+    /// The surface where it starts, with texture places (`[F][3]`) or none.
+    pub fn new(surface: GrowingSurface, uvs: Option<Vec<[Vec2; 3]>>) -> Self {
+        Self { pose: surface.start.clone(), surface, uvs }
     }
 
     /// Remeshes all of it. Vertices that stay keep all they carry to the bit; of new ones, ln τ is
     /// the mean of the ends of the edge they were made on. A point force whose vertex goes acts on
     /// the one nearest to it at the start. If nothing is to be changed, nothing is.
     ///
-    /// Where folds must not pass through each other and would on the new mesh, new vertices are
-    /// laid into the middle of their edges; if that does not help, the mesh stays.
+    /// If folds must not pass through each other and would on the new mesh, new vertices are placed
+    /// in the middle of their edges; if that does not help, the mesh stays.
     ///
     /// # Errors
     /// As [`remesh`].
     pub(super) fn remesh(&mut self, options: &RemeshOptions) -> Result<RemeshReport> {
-        let growth = &self.maps.expansion.vertices;
-        let mut channels = vec![
-            self.maps.wavelength_m.clone(),
-            growth.iter().map(|g| g.principal().0[0].max(1.0)).collect(),
-        ];
-        channels.extend([
-            self.maps.coherence_m.clone(),
-            self.maps.bias.clone(),
-            self.maps.stickiness.clone(),
-            self.maps.hold.clone(),
-        ]);
-        channels.extend((0..3).map(|axis| self.places.iter().map(|p| p[axis]).collect()));
-        let logarithms: Vec<[f64; 6]> = growth.iter().map(GrowthTensor::logarithm).collect();
-        channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
-        debug_assert_eq!(channels.len(), CHANNELS);
-        channels.extend(self.maps.bands.iter().map(|band| {
-            let mut inside = vec![0.0; self.start.len()];
-            band.iter().for_each(|&v| inside[v] = 1.0);
-            inside
-        }));
-        let sheet = SurfaceMesh {
-            faces: self.topology.faces.clone(),
-            rest: self.rest.faces.clone(),
-            positions: self.pose.clone(),
-            start: self.start.clone(),
-            channels,
-            frozen: self.maps.frozen.clone(),
-            uvs: self.uvs.clone(),
-        };
-        let active = vec![true; sheet.faces.len()];
+        let mesh = self.carried_mesh();
+        let active = vec![true; mesh.faces.len()];
         let flat = RemeshOptions { midpoints: MidpointPlacement::Flat, ..options.clone() };
-        let crosses = |sheet: &SurfaceMesh| {
-            self.self_contact && !crossing_pairs(&sheet.faces, &sheet.positions).is_empty()
+        let crosses = |mesh: &SurfaceMesh| {
+            self.surface.self_contact && !crossing_pairs(&mesh.faces, &mesh.positions).is_empty()
         };
-        let mut remeshed = remesh(sheet.clone(), &active, options)?;
-        if crosses(&remeshed.sheet) {
-            remeshed = remesh(sheet, &active, &flat)?;
-            if crosses(&remeshed.sheet) {
+        let mut remeshed = remesh(mesh.clone(), &active, options)?;
+        if crosses(&remeshed.mesh) {
+            remeshed = remesh(mesh, &active, &flat)?;
+            if crosses(&remeshed.mesh) {
                 return Ok(RemeshReport::default());
             }
         }
-        let report = remeshed.report;
-        if report.splits + report.swaps + report.collapses == 0 {
-            return Ok(report);
+        let report = remeshed.report.clone();
+        if report.splits + report.swaps + report.collapses > 0 {
+            self.replace_mesh(remeshed)?;
         }
-        let sheet = remeshed.sheet;
-        let topology = Topology::new(sheet.positions.len(), sheet.faces).at("remeshing")?;
-        let normals = try_vertex_normals(&topology, &sheet.start).at("growth")?;
-        let c = &sheet.channels;
-        let made = |v: usize| {
-            GrowthTensor::from_logarithm(&normals[v], std::array::from_fn(|k| c[LOGARITHM + k][v]))
+        Ok(report)
+    }
+
+    /// The mesh with everything that the surface carries.
+    fn carried_mesh(&self) -> SurfaceMesh {
+        let surface = &self.surface;
+        let at = &surface.maps.vertices;
+        let mut channels: Vec<Vec<f64>> =
+            SCALAR_MAPS.iter().map(|map| at.iter().map(|at| map.get(at)).collect()).collect();
+        channels.push(at.iter().map(|at| at.growth.principal().0[0].max(1.0)).collect());
+        channels.extend((0..3).map(|axis| surface.places.iter().map(|p| p[axis]).collect()));
+        let logarithms: Vec<[f64; 6]> = at.iter().map(|at| at.growth.logarithm()).collect();
+        channels.extend((0..6).map(|k| logarithms.iter().map(|log| log[k]).collect()));
+        debug_assert_eq!(channels.len(), BAND);
+        channels.extend(surface.maps.bands.iter().map(|band| {
+            let mut inside = vec![0.0; surface.start.len()];
+            band.iter().for_each(|&v| inside[v] = 1.0);
+            inside
+        }));
+        SurfaceMesh {
+            faces: surface.topology.faces.clone(),
+            rest: surface.rest.faces.clone(),
+            positions: self.pose.clone(),
+            start: surface.start.clone(),
+            channels,
+            frozen: at.iter().map(|at| at.frozen).collect(),
+            uvs: self.uvs.clone(),
+        }
+    }
+
+    /// Replaces the mesh and everything that it carries.
+    fn replace_mesh(&mut self, remeshed: RemeshOutcome) -> Result<()> {
+        let (mesh, old_vertices) = (remeshed.mesh, &remeshed.maps.vertices);
+        let surface = &mut self.surface;
+        let topology = Topology::new(mesh.positions.len(), mesh.faces).at("remeshing")?;
+        let normals = try_vertex_normals(&topology, &mesh.start).at("growth")?;
+        let c = &mesh.channels;
+        let at = |v: usize| {
+            let logarithm = std::array::from_fn(|k| c[LOGARITHM + k][v]);
+            let growth = GrowthTensor::from_logarithm(&normals[v], logarithm);
+            let mut at = GrowthAt::new(growth, c[WAVELENGTH][v]);
+            SCALAR_MAPS.iter().zip(c).for_each(|(map, channel)| map.set(&mut at, channel[v]));
+            GrowthAt { frozen: mesh.frozen[v], ..at }
         };
-        let mut vertices: Vec<GrowthTensor> = (0..normals.len()).map(made).collect();
-        for (old, new) in remeshed.maps.vertices.iter().enumerate() {
+        let mut vertices: Vec<GrowthAt> = (0..normals.len()).map(at).collect();
+        for (old, new) in old_vertices.iter().enumerate() {
             if let Some(new) = *new {
-                vertices[new] = self.maps.expansion.vertices[old];
+                vertices[new].growth = surface.maps.vertices[old].growth;
             }
         }
         let nearest = |p: &Vec3| {
-            let square = |v: &usize| (sheet.start[*v] - p).norm_squared();
-            (0..sheet.start.len())
-                .min_by(|a, b| square(a).total_cmp(&square(b)))
-                .unwrap_or_default()
+            let square = |v: &usize| (mesh.start[*v] - p).norm_squared();
+            (0..mesh.start.len()).min_by(|a, b| square(a).total_cmp(&square(b))).unwrap_or_default()
         };
-        for (v, _) in &mut self.loads.forces_newton {
-            *v = remeshed.maps.vertices[*v].unwrap_or_else(|| nearest(&self.start[*v]));
+        for (v, _) in &mut surface.loads.forces_newton {
+            *v = old_vertices[*v].unwrap_or_else(|| nearest(&surface.start[*v]));
         }
-        self.places = (0..normals.len())
+        surface.places = (0..normals.len())
             .map(|v| Vec3::new(c[PLACE][v], c[PLACE + 1][v], c[PLACE + 2][v]))
             .collect();
-        self.maps.expansion = Expansion { vertices };
-        // A new vertex belongs to a band if all it lies between does.
-        let belongs =
-            |b: usize| (0..c[0].len()).filter(|&v| c[CHANNELS + b][v] > 1.0 - 1e-9).collect();
-        self.maps.bands = (0..self.maps.bands.len()).map(belongs).collect();
-        let mut channels = sheet.channels.into_iter();
-        let mut next = || channels.next().unwrap_or_default();
-        (self.maps.wavelength_m, _) = (next(), next());
-        (self.maps.coherence_m, self.maps.bias, self.maps.stickiness, self.maps.hold) =
-            (next(), next(), next(), next());
-        self.topology = topology;
-        self.rest = RestMetric { faces: sheet.rest };
-        (self.pose, self.start, self.maps.frozen, self.uvs) =
-            (sheet.positions, sheet.start, sheet.frozen, sheet.uvs);
-        Ok(report)
+        // A new vertex belongs to a band if all vertices that it lies between do.
+        let belongs = |b: usize| {
+            (0..vertices.len()).filter(|&v| c[BAND + b][v] > 1.0 - 1e-9).collect::<Vec<_>>()
+        };
+        surface.maps.bands = (0..surface.maps.bands.len()).map(belongs).collect();
+        surface.maps.vertices = vertices;
+        surface.topology = topology;
+        surface.rest = RestMetric { faces: mesh.rest };
+        surface.start = mesh.start;
+        (self.pose, self.uvs) = (mesh.positions, mesh.uvs);
+        Ok(())
     }
 }

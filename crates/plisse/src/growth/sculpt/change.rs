@@ -1,6 +1,6 @@
-//! What a dab changed, small enough to keep for every stroke.
+//! The change that a dab made, small enough to keep for every stroke.
 
-use super::Painted;
+use crate::growth::maps::GrowthAt;
 use crate::mesh::Vec3;
 
 /// Values that were overwritten, in ascending order of the vertices: with them
@@ -9,24 +9,24 @@ use crate::mesh::Vec3;
 pub struct Change {
     /// Vertices whose pose was another, and that pose (m).
     pub(super) poses: Vec<(usize, Vec3)>,
-    /// Vertices on which other values were painted, and these values.
-    pub(super) painted: Vec<(usize, Painted)>,
-    /// Vertices that were at rest, as far as had been asked, and are not now.
-    pub(super) woken: Vec<usize>,
-    /// Vertices that were not, and are now.
-    pub(super) calmed: Vec<usize>,
+    /// Vertices whose values were others, and these values.
+    pub(super) values: Vec<(usize, GrowthAt)>,
+    /// Vertices that were in equilibrium, as far as had been asked, and are not now.
+    pub(super) disturbed: Vec<usize>,
+    /// Vertices that were not in equilibrium, and are now.
+    pub(super) equilibrated: Vec<usize>,
 }
 
 impl Change {
-    /// Whether nothing was changed.
+    /// True if nothing was changed.
     pub fn is_empty(&self) -> bool {
         self.poses.is_empty()
-            && self.painted.is_empty()
-            && self.woken.is_empty()
-            && self.calmed.is_empty()
+            && self.values.is_empty()
+            && self.disturbed.is_empty()
+            && self.equilibrated.is_empty()
     }
 
-    /// The vertices whose pose was another: what a picture must be brought up to date with.
+    /// The vertices whose pose was another: the ones that a picture has to update.
     pub fn moved(&self) -> impl Iterator<Item = usize> {
         self.poses.iter().map(|&(v, _)| v)
     }
@@ -43,10 +43,16 @@ impl Change {
             all
         };
         Self {
-            woken: both(only(&self.woken, &later.calmed), only(&later.woken, &self.calmed)),
-            calmed: both(only(&self.calmed, &later.woken), only(&later.calmed, &self.woken)),
+            disturbed: both(
+                only(&self.disturbed, &later.equilibrated),
+                only(&later.disturbed, &self.equilibrated),
+            ),
+            equilibrated: both(
+                only(&self.equilibrated, &later.disturbed),
+                only(&later.equilibrated, &self.disturbed),
+            ),
             poses: earliest(self.poses, later.poses),
-            painted: earliest(self.painted, later.painted),
+            values: earliest(self.values, later.values),
         }
     }
 }

@@ -1,7 +1,8 @@
-//! One touch of a brush, and what it does to the values of a vertex.
+//! One touch of a brush, and its effect on the values of a vertex.
 
-use super::{Painted, SculptOptions};
+use super::SculptOptions;
 use crate::growth::expansion::{Expansion, GrowthTensor};
+use crate::growth::maps::GrowthAt;
 use crate::mesh::{Mat2, Topology, Vec3};
 use crate::{Error, Result};
 
@@ -24,7 +25,7 @@ impl SurfacePoint {
     }
 }
 
-/// What a brush changes.
+/// Effect of a brush.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Paint {
     /// Lengths grow by this factor more, along this direction in space or, without one, in all
@@ -32,7 +33,7 @@ pub enum Paint {
     Growth {
         /// Factor of length; below 1 it shrinks.
         factor: f64,
-        /// Along what; any length but 0.
+        /// Direction in space; any length but 0.
         direction: Option<Vec3>,
     },
     /// λ becomes this (m).
@@ -51,13 +52,13 @@ pub enum Paint {
 /// One touch of a brush.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dab {
-    /// Where its middle is.
+    /// Its middle.
     pub spot: SurfacePoint,
-    /// How far it reaches (m), along the starting surface.
+    /// Radius (m) along the starting surface.
     pub radius_m: f64,
     /// Share of the radius within which it has its full strength; from there it falls off smoothly.
     pub core: f64,
-    /// What it does.
+    /// Its effect.
     pub paint: Paint,
 }
 
@@ -74,7 +75,7 @@ impl Dab {
     }
 
     /// # Errors
-    /// [`Error::Value`] for what no brush can be.
+    /// [`Error::Value`] for values that no brush can have.
     pub(super) fn check(&self, face_count: usize) -> Result<()> {
         let value = |name: &str, message: String| Err(Error::value(format!("dab.{name}"), message));
         if self.spot.face >= face_count {
@@ -120,30 +121,28 @@ impl Dab {
     }
 }
 
-impl Painted {
-    /// These values under `paint` of this `strength` (0 to 1).
-    pub(super) fn under(&self, paint: &Paint, strength: f64, options: &SculptOptions) -> Self {
+impl Paint {
+    /// The values `at` a vertex after this paint has acted on them with a `strength` (0 to 1).
+    pub(super) fn apply(&self, at: &GrowthAt, strength: f64, options: &SculptOptions) -> GrowthAt {
         let blend = |from: f64, to: f64| from + strength * (to - from);
-        match *paint {
-            Paint::Growth { factor, direction } => Self {
-                growth: grown(&self.growth, factor.powf(strength), direction, options),
-                ..*self
-            },
-            Paint::Wavelength(to) => Self {
-                wavelength_m: self.wavelength_m * (to / self.wavelength_m).powf(strength),
-                ..*self
-            },
-            Paint::Coherence(to) => Self { coherence_m: blend(self.coherence_m, to), ..*self },
-            Paint::Bias(to) => Self { bias: blend(self.bias, to), ..*self },
-            Paint::Stickiness(to) => Self { stickiness: blend(self.stickiness, to), ..*self },
-            Paint::Freeze(frozen) if strength >= 0.5 => Self { frozen: [frozen; 3], ..*self },
-            Paint::Freeze(_) => *self,
+        let mut at = *at;
+        match *self {
+            Self::Growth { factor, direction } => {
+                at.growth = grown(&at.growth, factor.powf(strength), direction, options);
+            }
+            Self::Wavelength(to) => at.wavelength_m *= (to / at.wavelength_m).powf(strength),
+            Self::Coherence(to) => at.coherence_m = blend(at.coherence_m, to),
+            Self::Bias(to) => at.bias = blend(at.bias, to),
+            Self::Stickiness(to) => at.stickiness = blend(at.stickiness, to),
+            Self::Freeze(frozen) if strength >= 0.5 => at.frozen = [frozen; 3],
+            Self::Freeze(_) => {}
         }
+        at
     }
 }
 
-/// `growth`, and then `factor` along `direction` or in all; as it is where that would go beyond the
-/// limits, or where the direction is normal to the surface.
+/// `growth` followed by a growth by `factor` along `direction`, or in all directions without one.
+/// Unchanged where that would exceed the limits, or where the direction is normal to the surface.
 fn grown(
     growth: &GrowthTensor,
     factor: f64,

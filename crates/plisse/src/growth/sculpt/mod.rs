@@ -1,12 +1,12 @@
-//! Painting folds: dabs of a brush, each followed by a solve of what lies around it, and of nothing
-//! else (4.6 of [Combaz & Neyret 2002]).
+//! Painting folds: dabs of a brush, each followed by a solve of its surroundings alone (4.6 of
+//! [Combaz & Neyret 2002]).
 //!
-//! A [`Sculpture`] owns a surface and all that is painted on it. A [`Dab`] changes the values under
-//! the brush; then the film around it, up to [`SculptOptions::near`] wavelengths beyond, takes a
-//! few Newton steps from where it is. All outside are constants of that small problem: they keep
-//! their place to the bit, and how many they are costs nothing. After a stroke,
-//! [`Sculpture::settle`] brings all that was touched, and [`SculptOptions::margin`] wavelengths
-//! around it, to rest.
+//! A [`Sculpture`] owns a surface and the growth maps painted on it. A [`Dab`] changes the values
+//! under the brush; then the film around it, up to [`SculptOptions::near`] wavelengths beyond,
+//! takes a few Newton steps from its present pose. All vertices outside are constants of that small
+//! problem: they keep their place to the bit, and their number costs nothing. After a stroke,
+//! [`Sculpture::equilibrate`] brings the touched vertices, and [`SculptOptions::margin`] wavelengths
+//! around them, to equilibrium.
 //!
 //! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its
 //! stretching stiffness; weight is exact.
@@ -20,63 +20,31 @@ pub use dab::{Dab, Paint, SurfacePoint};
 
 use web_time::Instant;
 
-use super::equilibrate::{Effort, Scale, Within, areas_and_imperfections, settle_part};
-use super::expansion::{Expansion, GrowthTensor};
+use super::equilibrate::{
+    FilmModel, LengthScales, StopCriteria, Subdomain, areas_and_imperfections,
+};
 use super::load_stepping::{GrowthOptions, StepReport};
-use super::maps::GrowthMaps;
-use super::surface::Growing;
+use super::maps::GrowthAt;
+use super::surface::GrowingSurface;
 use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
-use crate::obstacle::Obstacle;
 use crate::progress::{Observer, Silent};
 use crate::rest::RestMetric;
-use crate::shell::Loads;
 use crate::{At, Error, Result};
 use region::Region;
 
-/// What is painted on one vertex.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Painted {
-    /// How it grows.
-    pub growth: GrowthTensor,
-    /// λ (m).
-    pub wavelength_m: f64,
-    /// Λ (m).
-    pub coherence_m: f64,
-    /// Offset that the surface prefers, in wavelengths.
-    pub bias: f64,
-    /// How much harder than out the surface goes in.
-    pub stickiness: f64,
-    /// Axes along which it stays where it is.
-    pub frozen: [bool; 3],
-}
-
-/// The maps of vertices on which these values are painted, without bands.
-fn maps_of<'a>(painted: impl Iterator<Item = &'a Painted> + Clone, hold: Vec<f64>) -> GrowthMaps {
-    GrowthMaps {
-        expansion: Expansion { vertices: painted.clone().map(|p| p.growth).collect() },
-        wavelength_m: painted.clone().map(|p| p.wavelength_m).collect(),
-        coherence_m: painted.clone().map(|p| p.coherence_m).collect(),
-        bias: painted.clone().map(|p| p.bias).collect(),
-        stickiness: painted.clone().map(|p| p.stickiness).collect(),
-        frozen: painted.map(|p| p.frozen).collect(),
-        hold,
-        bands: Vec::new(),
-    }
-}
-
-/// How a brush is followed.
+/// Options of a brush.
 #[derive(Clone, Debug)]
 pub struct SculptOptions {
-    /// How far beyond the brush the surface may move, in wavelengths.
+    /// Distance beyond the brush within which the surface may move, in wavelengths.
     pub margin: f64,
-    /// How far beyond the brush it moves already while the brush is followed, in wavelengths; at
+    /// Distance beyond the brush within which it moves already with every dab, in wavelengths; at
     /// most [`SculptOptions::margin`].
     pub near: f64,
     /// Newton iterations after each dab.
     pub iterations: usize,
-    /// Largest factor of length up to which a brush grows a place, and one over it the least.
+    /// Largest factor of length up to which a brush grows a place; its inverse is the least.
     pub growth_limit: f64,
 }
 
@@ -86,7 +54,20 @@ impl Default for SculptOptions {
     }
 }
 
-/// How a dab, or settling, went.
+/// Seconds that a dab took.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SculptSeconds {
+    /// Finding the vertices under the brush and around it.
+    pub search: f64,
+    /// Painting, and cutting the piece out.
+    pub cut: f64,
+    /// Solving.
+    pub solve: f64,
+    /// All of it.
+    pub total: f64,
+}
+
+/// Report on a dab, or on bringing the surface to equilibrium.
 #[derive(Clone, Debug, Default)]
 pub struct SculptReport {
     /// Vertices under the brush.
@@ -97,28 +78,16 @@ pub struct SculptReport {
     pub solved: usize,
     /// The solve; none if nothing could move.
     pub step: Option<StepReport>,
-    /// Seconds: finding what is touched and around it, painting and cutting the piece out, solving,
-    /// all together.
-    pub seconds: [f64; 4],
+    /// Seconds of its parts.
+    pub seconds: SculptSeconds,
 }
 
 /// A surface that is being painted.
 #[derive(Clone, Debug)]
 pub struct Sculpture {
-    topology: Topology,
-    rest: RestMetric,
-    start: Vec<Vec3>,
-    places: Vec<Vec3>,
-    painted: Vec<Painted>,
+    /// The surface; its point forces are sorted by vertex.
+    surface: GrowingSurface,
     pose: Vec<Vec3>,
-    loads: Loads,
-    /// Point forces (N), by vertex.
-    forces: Vec<(usize, Vec3)>,
-    obstacles: Vec<Obstacle>,
-    contact_thickness_m: f64,
-    self_contact: bool,
-    /// `[V]` how much of the foundation there is.
-    hold: Vec<f64>,
     options: GrowthOptions,
     brush: SculptOptions,
     /// `[V]` normals of the starting surface.
@@ -129,35 +98,57 @@ pub struct Sculpture {
     rough: Vec<f64>,
     /// `[V]` faces around each vertex.
     around: Vec<Vec<usize>>,
-    scale: Scale,
+    scale: LengthScales,
     reach: Reach,
-    /// `[V]` room to count in.
+    /// `[V]` work array for numbering.
     number: Vec<usize>,
-    /// Vertices that are not settled, ascending.
-    awake: Vec<usize>,
+    /// Vertices that are not in equilibrium, ascending.
+    disturbed: Vec<usize>,
+}
+
+/// The vertices around values that were painted.
+struct Neighbourhood {
+    /// Vertices with their distances (m), up to the margin.
+    near: Vec<(usize, f64)>,
+    /// Distance (m) up to which vertices move at once.
+    follows_m: f64,
+    /// Time at which the search began.
+    begun: Instant,
+    /// Seconds that it took.
+    search_seconds: f64,
+}
+
+impl Neighbourhood {
+    /// Vertices up to this distance (m), ascending.
+    fn within(&self, distance_m: f64) -> Vec<usize> {
+        let mut within: Vec<usize> =
+            self.near.iter().filter(|near| near.1 <= distance_m).map(|near| near.0).collect();
+        within.sort_unstable();
+        within
+    }
 }
 
 impl Sculpture {
-    /// The surface of `growing` in the pose `pose` (`[V]`, m): its starting surface, or what it has
-    /// grown to. Frozen axes stay where they are in that pose.
+    /// The surface in the pose `pose` (`[V]`, m): its starting surface, or the one it has grown to.
+    /// Frozen axes stay where they are in that pose.
     ///
     /// # Errors
-    /// As [`Growing::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose has
-    /// another number of vertices.
+    /// As [`GrowingSurface::check`]; [`Error::Value`] if it has bands; [`Error::Mesh`] if the pose
+    /// has another number of vertices.
     pub fn new(
-        growing: &Growing<'_>,
+        mut surface: GrowingSurface,
         pose: Vec<Vec3>,
         options: GrowthOptions,
         brush: SculptOptions,
     ) -> Result<Self> {
-        growing.check()?;
-        if !growing.maps.bands.is_empty() {
+        surface.check()?;
+        if !surface.maps.bands.is_empty() {
             return Err(Error::value(
                 "growth.band",
                 "a brush does not move bands as one; freeze them, or grow the whole",
             ));
         }
-        let n = growing.start.len();
+        let n = surface.start.len();
         if pose.len() != n {
             return Err(Error::mesh(
                 "sculpture",
@@ -167,105 +158,77 @@ impl Sculpture {
                 ),
             ));
         }
-        let surface =
-            RestMetric::from_shape(growing.start, &growing.topology.faces).at("sculpture")?;
-        let (area_m2, rough) = areas_and_imperfections(growing, &surface, options.seed)?;
-        let mut loads = growing.loads.clone();
-        let mut forces = std::mem::take(&mut loads.forces_newton);
-        forces.sort_by_key(|force| force.0);
-        let painted = |v: usize| Painted {
-            growth: growing.maps.expansion.vertices[v],
-            wavelength_m: growing.maps.wavelength_m[v],
-            coherence_m: growing.maps.coherence_m[v],
-            bias: growing.maps.bias[v],
-            stickiness: growing.maps.stickiness[v],
-            frozen: growing.maps.frozen[v],
-        };
+        let metric =
+            RestMetric::from_shape(&surface.start, &surface.topology.faces).at("sculpture")?;
+        let (area_m2, rough) = areas_and_imperfections(&surface, &metric, options.seed)?;
+        surface.loads.forces_newton.sort_by_key(|force| force.0);
         Ok(Self {
-            painted: (0..n).map(painted).collect(),
-            normals: try_vertex_normals(growing.topology, growing.start).at("growth")?,
+            normals: try_vertex_normals(&surface.topology, &surface.start).at("growth")?,
             area_m2,
             rough,
-            around: growing.topology.vertex_faces(),
-            scale: Scale::of(growing),
-            topology: growing.topology.clone(),
-            rest: growing.rest.clone(),
-            start: growing.start.to_vec(),
-            places: growing.places.clone(),
+            around: surface.topology.vertex_faces(),
+            scale: LengthScales::new(&surface),
+            surface,
             pose,
-            loads,
-            forces,
-            obstacles: growing.obstacles.to_vec(),
-            contact_thickness_m: growing.contact_thickness_m,
-            self_contact: growing.self_contact,
-            hold: growing.maps.hold.clone(),
             options,
             brush,
             reach: Reach::new(n),
             number: vec![NONE; n],
-            awake: Vec::new(),
+            disturbed: Vec::new(),
         })
+    }
+
+    /// The surface with the values painted on it.
+    pub fn surface(&self) -> &GrowingSurface {
+        &self.surface
     }
 
     /// Connectivity.
     pub fn topology(&self) -> &Topology {
-        &self.topology
+        &self.surface.topology
     }
 
     /// `[V]` the starting surface (m).
     pub fn start(&self) -> &[Vec3] {
-        &self.start
+        &self.surface.start
     }
 
-    /// `[V]` where the surface is now (m).
+    /// `[V]` the present pose (m).
     pub fn pose(&self) -> &[Vec3] {
         &self.pose
     }
 
-    /// `[V]` what is painted on it.
-    pub fn painted(&self) -> &[Painted] {
-        &self.painted
+    /// `[V]` the values painted on it.
+    pub fn values(&self) -> &[GrowthAt] {
+        &self.surface.maps.vertices
     }
 
-    /// Whether a stroke left anything to settle.
-    pub fn is_settled(&self) -> bool {
-        self.awake.is_empty()
+    /// True unless a stroke left something to bring to equilibrium.
+    pub fn is_at_rest(&self) -> bool {
+        self.disturbed.is_empty()
     }
 
-    /// The whole as [`super::grow`] takes it.
-    pub fn growing(&self) -> Growing<'_> {
-        Growing {
-            topology: &self.topology,
-            rest: &self.rest,
-            start: &self.start,
-            places: self.places.clone(),
-            maps: maps_of(self.painted.iter(), self.hold.clone()),
-            loads: Loads { forces_newton: self.forces.clone(), ..self.loads.clone() },
-            obstacles: &self.obstacles,
-            contact_thickness_m: self.contact_thickness_m,
-            self_contact: self.self_contact,
-        }
-    }
-
-    /// Touches the surface with a brush and lets what lies around follow. Returns what was
-    /// overwritten, to [`Sculpture::restore`] it.
+    /// Touches the surface with a brush and moves its surroundings. Returns the values that were
+    /// overwritten, to [`Sculpture::restore`] them.
     ///
-    /// Small factors (up to 1.1) give the pattern time to choose itself, as the steps of
+    /// Small factors (up to 1.1) give the pattern time to choose itself, as the load steps of
     /// [`super::grow`] do.
     ///
     /// # Errors
-    /// [`Error::Value`] for a brush that is none, or a painted value out of range; [`Error::Mesh`] if grown sides make no triangle. The
-    /// sculpture then is as before, to the bit.
+    /// [`Error::Value`] for a brush that is none, or a painted value out of range; [`Error::Mesh`]
+    /// if grown sides make no triangle. The sculpture then is as before, to the bit.
     pub fn dab(&mut self, dab: &Dab) -> Result<(Change, SculptReport)> {
         let begun = Instant::now();
-        dab.check(self.topology.face_count())?;
-        let [a, b, c] = self.topology.faces[dab.spot.face].map(|v| self.painted[v].wavelength_m);
+        dab.check(self.topology().face_count())?;
+        let (faces, around, start) =
+            (&self.surface.topology.faces, &self.around, &self.surface.start);
+        let values = &mut self.surface.maps.vertices;
+        let corners = faces[dab.spot.face];
+        let [a, b, c] = corners.map(|v| values[v].wavelength_m);
         let mut margin = a.max(b).max(c);
         if let Paint::Wavelength(to) = dab.paint {
             margin = margin.max(to).min(2.0 * margin);
         }
-        let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
-        let corners = faces[dab.spot.face];
         let origin: Vec3 = (0..3).map(|k| start[corners[k]] * dab.spot.weights[k]).sum();
         let near = self.reach.from(
             corners,
@@ -274,26 +237,27 @@ impl Sculpture {
             |v| start[v],
             dab.radius_m + self.brush.margin * margin,
         );
-        let found = begun.elapsed().as_secs_f64();
-        let follows_m = dab.radius_m + self.follows() * margin;
-        let mut painted: Vec<(usize, Painted)> = Vec::new();
+        let search_seconds = begun.elapsed().as_secs_f64();
+        let mut overwritten: Vec<(usize, GrowthAt)> = Vec::new();
         for &(v, distance) in &near {
-            let (strength, old) = (dab.strength(distance), self.painted[v]);
+            let (strength, old) = (dab.strength(distance), values[v]);
             if strength > 0.0 {
-                self.painted[v] = old.under(&dab.paint, strength, &self.brush);
-                painted.push((v, old));
+                values[v] = dab.paint.apply(&old, strength, &self.brush);
+                overwritten.push((v, old));
             }
         }
-        painted.sort_unstable_by_key(|entry| entry.0);
-        self.follow_painted(painted, near, follows_m, begun, found)
+        overwritten.sort_unstable_by_key(|entry| entry.0);
+        let follows_m = dab.radius_m + self.follow_distance() * margin;
+        let around = Neighbourhood { near, follows_m, begun, search_seconds };
+        self.move_surroundings(overwritten, &around)
     }
 
-    /// Gives each of these vertices (ascending) other values, and lets what lies around follow, as
+    /// Gives each of these vertices (ascending) other values, and moves their surroundings, as
     /// [`Sculpture::dab`] does.
     ///
     /// # Errors
     /// As [`Sculpture::dab`]; [`Error::Value`] for vertices that are not there or not ascending.
-    pub fn paint(&mut self, values: &[(usize, Painted)]) -> Result<(Change, SculptReport)> {
+    pub fn paint(&mut self, values: &[(usize, GrowthAt)]) -> Result<(Change, SculptReport)> {
         let begun = Instant::now();
         let ascending = values.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if !ascending || values.last().is_some_and(|last| last.0 >= self.pose.len()) {
@@ -308,113 +272,111 @@ impl Sculpture {
         if values.is_empty() {
             return Ok((Change::default(), SculptReport::default()));
         }
-        let widest = |most: f64, (v, to): &(usize, Painted)| {
-            most.max(self.painted[*v].wavelength_m).max(to.wavelength_m)
+        let (faces, around, start) =
+            (&self.surface.topology.faces, &self.around, &self.surface.start);
+        let painted = &mut self.surface.maps.vertices;
+        let widest = |most: f64, (v, to): &(usize, GrowthAt)| {
+            most.max(painted[*v].wavelength_m).max(to.wavelength_m)
         };
         let wavelength_m = values.iter().fold(0.0, widest);
-        let (margin, follows_m) = (self.brush.margin * wavelength_m, self.follows() * wavelength_m);
-        let (faces, around, start) = (&self.topology.faces, &self.around, &self.start);
-        let seeds = values.iter().map(|entry| entry.0);
         let near = self.reach.around_all(
-            seeds,
+            values.iter().map(|entry| entry.0),
             |v| around[v].iter().map(|&f| faces[f]),
             |v| start[v],
-            margin,
+            self.brush.margin * wavelength_m,
         );
-        let found = begun.elapsed().as_secs_f64();
-        let painted = values
-            .iter()
-            .map(|&(v, to)| (v, std::mem::replace(&mut self.painted[v], to)))
-            .collect();
-        self.follow_painted(painted, near, follows_m, begun, found)
+        let search_seconds = begun.elapsed().as_secs_f64();
+        let overwritten =
+            values.iter().map(|&(v, to)| (v, std::mem::replace(&mut painted[v], to))).collect();
+        let follows_m = self.follow_distance() * wavelength_m;
+        let around = Neighbourhood { near, follows_m, begun, search_seconds };
+        self.move_surroundings(overwritten, &around)
     }
 
-    /// How far beyond the brush the surface follows it, in wavelengths.
-    fn follows(&self) -> f64 {
+    /// Distance beyond the brush within which the surface follows it, in wavelengths.
+    fn follow_distance(&self) -> f64 {
         self.brush.near.min(self.brush.margin)
     }
 
-    /// Lets the vertices `near` what was painted follow that are at most `follows_m` (m) away, and
-    /// wakes all of them; `painted` holds what was there before (ascending).
-    fn follow_painted(
+    /// Moves the vertices `around` values that were painted, and marks all of them as disturbed;
+    /// `overwritten` holds the values that were there before (ascending).
+    fn move_surroundings(
         &mut self,
-        painted: Vec<(usize, Painted)>,
-        near: Vec<(usize, f64)>,
-        follows_m: f64,
-        begun: Instant,
-        found: f64,
+        overwritten: Vec<(usize, GrowthAt)>,
+        around: &Neighbourhood,
     ) -> Result<(Change, SculptReport)> {
-        let ascending = |within_m: f64| {
-            let mut within: Vec<usize> =
-                near.iter().filter(|near| near.1 <= within_m).map(|near| near.0).collect();
-            within.sort_unstable();
-            within
+        let active = around.within(around.follows_m);
+        let criteria = StopCriteria {
+            iteration_limit: self.brush.iterations,
+            tolerance: self.options.tolerance,
         };
-        let active = ascending(follows_m);
-        let effort =
-            Effort { iteration_limit: self.brush.iterations, tolerance: self.options.tolerance };
-        let (moved, mut report) = match self.follow(&active, effort, &Silent) {
-            Ok(followed) => followed,
+        let (moved, mut report) = match self.solve(&active, criteria, &Silent) {
+            Ok(solved) => solved,
             Err(error) => {
-                painted.iter().for_each(|&(v, old)| self.painted[v] = old);
+                let values = &mut self.surface.maps.vertices;
+                overwritten.iter().for_each(|&(v, old)| values[v] = old);
                 return Err(error);
             }
         };
-        report.touched = painted.len();
-        report.seconds[0] = found;
-        let woken: Vec<usize> = ascending(f64::INFINITY)
+        report.touched = overwritten.len();
+        report.seconds.search = around.search_seconds;
+        let disturbed: Vec<usize> = around
+            .within(f64::INFINITY)
             .into_iter()
-            .filter(|v| self.awake.binary_search(v).is_err())
+            .filter(|v| self.disturbed.binary_search(v).is_err())
             .collect();
-        self.wake(&woken);
-        report.seconds[3] = begun.elapsed().as_secs_f64();
-        Ok((Change { poses: moved, painted, woken, calmed: Vec::new() }, report))
+        self.disturb(&disturbed);
+        report.seconds.total = around.begun.elapsed().as_secs_f64();
+        let change =
+            Change { poses: moved, values: overwritten, disturbed, equilibrated: Vec::new() };
+        Ok((change, report))
     }
 
-    /// Brings all that dabs have touched since the last call to rest. If the observer cancels, or
-    /// the limit of iterations comes first, it is not at rest yet and another call goes on.
+    /// Brings all vertices that dabs have touched since the last call to equilibrium. If the
+    /// observer cancels, or the limit of iterations comes first, another call goes on.
     ///
     /// # Errors
     /// [`Error::Numeric`] if there is no finite energy; the sculpture then is as before.
-    pub fn settle(&mut self, observer: &dyn Observer) -> Result<(Change, SculptReport)> {
+    pub fn equilibrate(&mut self, observer: &dyn Observer) -> Result<(Change, SculptReport)> {
         let begun = Instant::now();
-        if self.awake.is_empty() {
+        if self.disturbed.is_empty() {
             return Ok((Change::default(), SculptReport::default()));
         }
-        let active = std::mem::take(&mut self.awake);
-        let followed = self.follow(&active, Effort::exact(&self.options), observer);
-        self.awake = active;
-        let (poses, mut report) = followed?;
+        let active = std::mem::take(&mut self.disturbed);
+        let solved = self.solve(&active, StopCriteria::full(&self.options), observer);
+        self.disturbed = active;
+        let (poses, mut report) = solved?;
         let resting =
             report.step.as_ref().is_none_or(|step| step.residual <= self.options.tolerance);
-        let calmed = if resting { std::mem::take(&mut self.awake) } else { Vec::new() };
-        report.seconds[3] = begun.elapsed().as_secs_f64();
-        Ok((Change { poses, calmed, ..Change::default() }, report))
+        let equilibrated = if resting { std::mem::take(&mut self.disturbed) } else { Vec::new() };
+        report.seconds.total = begun.elapsed().as_secs_f64();
+        Ok((Change { poses, equilibrated, ..Change::default() }, report))
     }
 
-    /// Undoes `change`, which must be the last that was not undone, to the bit. Returns what
-    /// restores it again.
+    /// Undoes `change`, which must be the last that was not undone, to the bit. Returns the change
+    /// that restores it again.
     pub fn restore(&mut self, change: Change) -> Change {
-        let Change { mut poses, mut painted, woken, calmed } = change;
+        let Change { mut poses, mut values, disturbed, equilibrated } = change;
         poses.iter_mut().for_each(|(v, pose)| std::mem::swap(pose, &mut self.pose[*v]));
-        painted.iter_mut().for_each(|(v, value)| std::mem::swap(value, &mut self.painted[*v]));
-        self.awake.retain(|v| woken.binary_search(v).is_err());
-        self.wake(&calmed);
-        Change { poses, painted, woken: calmed, calmed: woken }
+        let painted = &mut self.surface.maps.vertices;
+        values.iter_mut().for_each(|(v, value)| std::mem::swap(value, &mut painted[*v]));
+        self.disturbed.retain(|v| disturbed.binary_search(v).is_err());
+        self.disturb(&equilibrated);
+        Change { poses, values, disturbed: equilibrated, equilibrated: disturbed }
     }
 
-    /// Adds `vertices` (ascending, none of them awake) to those that are.
-    fn wake(&mut self, vertices: &[usize]) {
-        self.awake.extend_from_slice(vertices);
-        self.awake.sort_unstable();
+    /// Adds `vertices` (ascending, none of them disturbed) to the disturbed ones.
+    fn disturb(&mut self, vertices: &[usize]) {
+        self.disturbed.extend_from_slice(vertices);
+        self.disturbed.sort_unstable();
     }
 
     /// Solves for the `active` (ascending) vertices and returns the old poses (m) of those that
     /// moved.
-    fn follow(
+    fn solve(
         &mut self,
         active: &[usize],
-        effort: Effort,
+        criteria: StopCriteria,
         observer: &dyn Observer,
     ) -> Result<(Vec<(usize, Vec3)>, SculptReport)> {
         let begun = Instant::now();
@@ -429,28 +391,20 @@ impl Sculpture {
         };
         let cut = begun.elapsed().as_secs_f64();
         let mut pose = region.pose.clone();
-        if active.iter().any(|&v| self.painted[v].frozen != [true; 3]) {
-            let growing = region.growing(self);
-            growing.check_painted()?;
-            let within = Within {
-                still: &region.still,
+        if active.iter().any(|&v| self.values()[v].frozen != [true; 3]) {
+            region.surface.check_resolution()?;
+            let within = Subdomain {
+                fixed: &region.fixed,
                 pose: &region.pose,
                 normals: &region.normals,
-                area_m2: &region.of(&self.area_m2),
-                rough: &region.of(&self.rough),
+                area_m2: &region.part_of(&self.area_m2),
+                rough: &region.part_of(&self.rough),
                 scale: self.scale,
             };
-            let step = settle_part(
-                &growing,
-                1.0,
-                effort,
-                &self.options,
-                Some(&within),
-                &mut pose,
-                observer,
-            )?;
+            let step = FilmModel::new(&region.surface, &self.options, Some(&within))?
+                .equilibrate_part(1.0, criteria, &mut pose, observer)?;
             if step.iterations == 0 {
-                // Unknowns are scaled; what did not move keeps its bits.
+                // Unknowns are scaled; a pose that did not move keeps its bits.
                 pose.clone_from(&region.pose);
             }
             report.step = Some(step);
@@ -461,7 +415,8 @@ impl Sculpture {
                 moved.push((v, std::mem::replace(&mut self.pose[v], pose[n])));
             }
         }
-        report.seconds = [0.0, cut, begun.elapsed().as_secs_f64() - cut, 0.0];
+        report.seconds.cut = cut;
+        report.seconds.solve = begun.elapsed().as_secs_f64() - cut;
         Ok((moved, report))
     }
 }

@@ -1,6 +1,6 @@
 //! The whole of it.
 
-use super::super::{RemeshOptions, Remeshed, SurfaceMesh, edge_ratios, remesh};
+use super::super::{RemeshOptions, RemeshOutcome, SurfaceMesh, edge_ratios, remesh};
 use super::checks::{kept, linear_still, same_kind, same_measure, upright};
 use super::meshes::{Random, sphere, square, torus, with_seam};
 use crate::growth::Expansion;
@@ -39,37 +39,37 @@ fn verify(
     before: &SurfaceMesh,
     options: &RemeshOptions,
     outward: impl Fn(&Vec3) -> Vec3,
-) -> Remeshed {
+) -> RemeshOutcome {
     let first = remesh(before.clone(), &all(before), options).unwrap();
     let report = &first.report;
     assert!(report.converged, "{report:?}");
     let was = kept(before);
-    same_kind(&first.sheet, &was).unwrap();
-    upright(&first.sheet, outward).unwrap();
-    same_measure(&first.sheet, &was, report.area_change_m2).unwrap();
+    same_kind(&first.mesh, &was).unwrap();
+    upright(&first.mesh, outward).unwrap();
+    same_measure(&first.mesh, &was, report.area_change_m2).unwrap();
     let area: f64 = before.rest.iter().map(|f| f.area_m2).sum();
     assert!(
         report.area_spent_m2 <= options.area_tolerance * area
             && report.area_change_m2.abs() <= report.area_spent_m2
     );
-    linear_still(&first.sheet).unwrap();
+    linear_still(&first.mesh).unwrap();
     // Again gives the same; a second pass does nothing.
     assert_eq!(remesh(before.clone(), &all(before), options).unwrap(), first);
-    let second = remesh(first.sheet.clone(), &all(&first.sheet), options).unwrap();
+    let second = remesh(first.mesh.clone(), &all(&first.mesh), options).unwrap();
     assert_eq!((second.report.splits, second.report.swaps, second.report.collapses), (0, 0, 0));
-    assert_eq!(second.sheet, first.sheet);
+    assert_eq!(second.mesh, first.mesh);
     // Old vertices that are left carry what they did.
     for (v, to) in first.maps.vertices.iter().enumerate() {
         if let Some(w) = *to {
             assert!(
-                first.sheet.positions[w] == before.positions[v]
-                    && first.sheet.channels[1][w] == before.channels[1][v]
+                first.mesh.positions[w] == before.positions[v]
+                    && first.mesh.channels[1][w] == before.channels[1][v]
             );
         }
     }
     for (f, to) in first.maps.faces.iter().enumerate() {
         if let Some(g) = to.filter(|&g| !first.maps.changed[g]) {
-            assert_eq!(first.sheet.rest[g], before.rest[f]);
+            assert_eq!(first.mesh.rest[g], before.rest[f]);
         }
     }
     first
@@ -107,8 +107,8 @@ fn remesh_makes_an_open_sheet_fine_where_it_grows() {
         }
         let done = verify(&sheet, &options, |_| Vec3::z());
         let (inside, outside) =
-            (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
-        let share = in_band(&done.sheet, &options);
+            (mean_side(&done.mesh, |g| g > 1.0), mean_side(&done.mesh, |g| g == 1.0));
+        let share = in_band(&done.mesh, &options);
         assert!(share >= 0.95 && inside < 0.03 && outside > 0.06);
         assert!(in_band(&sheet, &options) < 0.95, "nothing had to be done");
     }
@@ -122,8 +122,8 @@ fn remesh_makes_a_closed_surface_fine_where_it_grows() {
         let sheet = grown(sphere(10, 0.1, &mut random), Vec3::z(), 0.5, 1.6, 0.4);
         let done = verify(&sheet, &options, |p| *p);
         let (inside, outside) =
-            (mean_side(&done.sheet, |g| g > 1.0), mean_side(&done.sheet, |g| g == 1.0));
-        let share = in_band(&done.sheet, &options);
+            (mean_side(&done.mesh, |g| g > 1.0), mean_side(&done.mesh, |g| g == 1.0));
+        let share = in_band(&done.mesh, &options);
         assert!(share >= 0.95 && inside < 0.06 && outside > 0.13);
     }
     let ring = grown(torus(24, 12, 0.2, &mut Random(9)), Vec3::new(1.4, 0.0, 0.0), 0.5, 1.5, 0.6);
@@ -138,9 +138,9 @@ fn remesh_coarsens_what_is_too_fine() {
     let done = verify(&fine, &options, |_| Vec3::z());
     // Vertices on the seam stay.
     let plain = verify(&square(0.04, 2), &options, |_| Vec3::z());
-    let share = in_band(&plain.sheet, &options);
+    let share = in_band(&plain.mesh, &options);
     assert!(share >= 0.95);
-    assert!(done.sheet.start.len() < fine.start.len() / 3 && done.report.area_spent_m2 < 1e-12);
+    assert!(done.mesh.start.len() < fine.start.len() / 3 && done.report.area_spent_m2 < 1e-12);
 }
 
 #[test]
@@ -160,11 +160,11 @@ fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
     // It grew, so all keep their numbers.
     for f in (0..active.len()).filter(|&f| !active[f]) {
         assert!(done.maps.faces[f] == Some(f) && !done.maps.changed[f]);
-        assert_eq!((done.sheet.faces[f], done.sheet.rest[f]), (sheet.faces[f], sheet.rest[f]));
-        assert_eq!(done.sheet.uvs.as_ref().unwrap()[f], sheet.uvs.as_ref().unwrap()[f]);
+        assert_eq!((done.mesh.faces[f], done.mesh.rest[f]), (sheet.faces[f], sheet.rest[f]));
+        assert_eq!(done.mesh.uvs.as_ref().unwrap()[f], sheet.uvs.as_ref().unwrap()[f]);
         for v in sheet.faces[f] {
             assert!(
-                done.maps.vertices[v] == Some(v) && done.sheet.positions[v] == sheet.positions[v]
+                done.maps.vertices[v] == Some(v) && done.mesh.positions[v] == sheet.positions[v]
             );
         }
     }
@@ -179,17 +179,17 @@ fn remesh_leaves_all_outside_the_active_faces_to_the_bit() {
         RemeshOptions { growth_channel: None, edges_per_wave: 0.5, ..RemeshOptions::new(0.3) };
     let done = remesh(sheet.clone(), &active, &coarse).unwrap();
     assert!(done.report.converged && done.report.collapses > 20, "{:?}", done.report);
-    let count = done.sheet.faces.len();
+    let count = done.mesh.faces.len();
     for f in (0..active.len()).filter(|&f| !active[f]) {
         let g = done.maps.faces[f].unwrap();
         assert!(g == f || f >= count);
-        assert_eq!((done.sheet.rest[g], done.maps.changed[g]), (sheet.rest[f], false));
-        assert_eq!(done.sheet.faces[g], sheet.faces[f].map(|v| done.maps.vertices[v].unwrap()));
+        assert_eq!((done.mesh.rest[g], done.maps.changed[g]), (sheet.rest[f], false));
+        assert_eq!(done.mesh.faces[g], sheet.faces[f].map(|v| done.maps.vertices[v].unwrap()));
     }
-    same_kind(&done.sheet, &kept(&sheet)).unwrap();
+    same_kind(&done.mesh, &kept(&sheet)).unwrap();
     // None active: nothing happens.
     let idle = remesh(sheet.clone(), &vec![false; sheet.faces.len()], &options).unwrap();
-    assert_eq!(idle.sheet, sheet);
+    assert_eq!(idle.mesh, sheet);
 }
 
 #[test]
@@ -197,7 +197,7 @@ fn remesh_stops_at_the_limit_of_vertices() {
     let sheet = grown(square(0.1, 1), Vec3::new(0.5, 0.5, 0.0), 0.4, 1.5, 0.1);
     let options = RemeshOptions { most_vertices: 300, ..RemeshOptions::new(0.12) };
     let done = verify(&sheet, &options, |_| Vec3::z());
-    assert!(done.report.limited && done.sheet.positions.len() == 300);
+    assert!(done.report.limited && done.mesh.positions.len() == 300);
 }
 
 #[test]
@@ -210,7 +210,7 @@ fn remesh_refines_where_normals_turn_and_growth_changes() {
         ..RemeshOptions::new(0.3)
     };
     let count = |sheet: &SurfaceMesh, options: &RemeshOptions| {
-        remesh(sheet.clone(), &all(sheet), options).unwrap().sheet.positions.len()
+        remesh(sheet.clone(), &all(sheet), options).unwrap().mesh.positions.len()
     };
     let ball = sphere(8, 0.0, &mut Random(1));
     assert!(
@@ -269,7 +269,7 @@ fn remesh_settles_on_random_folded_sheets() {
         let options =
             RemeshOptions { normal_angle: 0.3 + 0.2 * random.signed(), ..RemeshOptions::new(0.15) };
         let done = verify(&sheet, &options, |_| Vec3::z());
-        let share = in_band(&done.sheet, &options);
+        let share = in_band(&done.mesh, &options);
         assert!(share >= 0.95);
     }
 }

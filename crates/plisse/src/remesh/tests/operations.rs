@@ -29,8 +29,8 @@ fn shake(
     for step in 1..=count {
         let kind = below(random, 5);
         let mut pick = || {
-            let (f, k) = (below(random, patch.sheet.faces.len()), below(random, 3));
-            (!patch.dead[f]).then(|| (patch.sheet.faces[f][k], patch.sheet.faces[f][(k + 1) % 3]))
+            let (f, k) = (below(random, patch.mesh.faces.len()), below(random, 3));
+            (!patch.dead[f]).then(|| (patch.mesh.faces[f][k], patch.mesh.faces[f][(k + 1) % 3]))
         };
         // Swaps at random would wind a curved surface up; there, one that is wanted is looked for.
         let wanted =
@@ -49,7 +49,7 @@ fn shake(
         }
         if step % 40 == 0 || step == count {
             let copy = Patch {
-                sheet: patch.sheet.clone(),
+                mesh: patch.mesh.clone(),
                 around: patch.around.clone(),
                 active: patch.active.clone(),
                 dead: patch.dead.clone(),
@@ -115,7 +115,7 @@ fn remesh_refuses_what_would_spoil() {
     let mut patch = Patch::new(solid.clone(), &[true; 4]);
     let any = Tolerances { flatness: 9.0, area_m2: 9.0 };
     assert!(patch.swap(0, 1).is_none() && patch.collapse(0, 1, any, free).is_none());
-    assert_eq!(patch.sheet, solid);
+    assert_eq!(patch.mesh, solid);
     // A quad that is not convex, and one that is.
     let quad = |d: Vec3| {
         super::meshes::sheet(
@@ -141,7 +141,7 @@ fn remesh_refuses_what_would_spoil() {
     let mut patch = Patch::new(flat.clone(), &vec![true; n]);
     let corner = flat.start.iter().position(|p| *p == Vec3::zeros()).unwrap();
     for f in patch.around[corner].clone() {
-        for v in patch.sheet.faces[f] {
+        for v in patch.mesh.faces[f] {
             assert!(v == corner || patch.collapse(corner, v, any, free).is_none());
         }
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::build::BuiltGrowth;
 use super::windows;
-use crate::growth::Surface;
+use crate::growth::GrownSurface;
 use crate::mesh::islands::side_by_side;
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
@@ -14,7 +14,7 @@ use crate::shell::Clamps;
 use crate::{At, Result};
 
 impl BuiltGrowth {
-    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::grow_adapting`]: places
+    /// `[F][3]` what faces carry through remeshing, for [`crate::growth::follow_adapting`]: places
     /// (m) in the panels, each panel apart from the others, or else texture places; none for a mesh
     /// that has neither.
     pub fn chart(&self) -> Option<Vec<[Vec2; 3]>> {
@@ -69,8 +69,9 @@ impl BuiltGrowth {
     /// # Errors
     /// [`crate::Error::Mesh`] if the surface is none; [`crate::Error::Value`] if a window in which
     /// folds are counted reaches beyond it.
-    pub fn on(&self, surface: Surface<'_>) -> Result<(Self, Vec<Vec3>, RestMetric)> {
-        let corner_places = surface.uvs.as_deref();
+    pub fn on(&self, grown: GrownSurface) -> Result<(Self, Vec<Vec3>, RestMetric)> {
+        let GrownSurface { surface, pose, uvs } = grown;
+        let corner_places = uvs.as_deref();
         let by_panel = self.plane().filter(|_| !self.built.panels.is_empty());
         let panel_of = |f: usize| match (by_panel, corner_places) {
             (Some((middle, apart)), Some(places)) => {
@@ -84,7 +85,7 @@ impl BuiltGrowth {
         let faces = order.iter().map(|&f| surface.topology.faces[f]).collect();
         let topology = Topology::new(surface.topology.vertex_count, faces).at("remeshing")?;
         let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
-        let asked = surface.maps.expansion.act_on(&topology, &surface.start, &rest)?;
+        let asked = surface.maps.expansion().act_on(&topology, &surface.start, &rest)?;
 
         let mut panels: Vec<BuiltPanel> = self
             .built
@@ -163,6 +164,6 @@ impl BuiltGrowth {
             ..self.built.clone()
         };
         let grown = Self { built, maps: surface.maps, chart: laid.chart, windows, ..self.clone() };
-        Ok((grown, surface.pose, asked))
+        Ok((grown, pose, asked))
     }
 }

@@ -1,8 +1,10 @@
 //! A scene with `[growth]` made ready for [`crate::growth::grow`].
 
 use super::windows::{self, CountWindow, Extent};
+use crate::growth::expansion::GrowthTensor;
+use crate::growth::maps::SCALAR_MAPS;
 use crate::growth::reference::ReferenceOptions;
-use crate::growth::{AdaptOptions, Growing, GrowthMaps, GrowthOptions};
+use crate::growth::{AdaptOptions, GrowingSurface, GrowthAt, GrowthMaps, GrowthOptions};
 use crate::mesh::{Topology, Vec3};
 use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
@@ -22,7 +24,7 @@ pub struct BuiltGrowth {
     pub built: Built,
     /// `[V]` growth and folding of each vertex. Clamps freeze, too.
     pub maps: GrowthMaps,
-    /// By energy or by forces.
+    /// Mode: by energy or by forces.
     pub mode: Mode,
     /// Options of the solve by energy.
     pub options: GrowthOptions,
@@ -36,7 +38,7 @@ pub struct BuiltGrowth {
     pub adapt: Option<AdaptOptions>,
     /// The scene's windows for counts.
     pub(super) counts: Vec<CountTable>,
-    /// `[panels]` how far their coordinates run.
+    /// `[panels]` extents of their coordinates.
     pub(super) extents: Vec<Extent>,
     /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
     pub(super) chart: Option<Chart>,
@@ -45,17 +47,17 @@ pub struct BuiltGrowth {
 }
 
 impl BuiltGrowth {
-    /// The input of [`crate::growth::grow`].
-    pub fn growing(&self) -> Growing<'_> {
+    /// The growing surface of this scene.
+    pub fn surface(&self) -> GrowingSurface {
         let built = &self.built;
-        Growing {
-            topology: &built.topology,
-            rest: &built.rest,
-            start: &built.start,
+        GrowingSurface {
+            topology: built.topology.clone(),
+            rest: built.rest.clone(),
+            start: built.start.clone(),
             places: built.start.clone(),
             maps: self.maps.clone(),
             loads: built.loads.clone(),
-            obstacles: &built.obstacles,
+            obstacles: built.obstacles.clone().into(),
             contact_thickness_m: built.contact_thickness_m,
             self_contact: self.self_contact,
         }
@@ -103,22 +105,7 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
         ));
     }
     let laid = lay(scene)?;
-    let map = |name: &str, table: Option<&MapTable>| match table {
-        Some(table) => maps::map(scene, &laid, &format!("growth.{name}"), table),
-        None => Ok(vec![0.0; laid.start.len()]),
-    };
-    let maps = GrowthMaps {
-        expansion: maps::expansion(scene, table, &laid)?,
-        wavelength_m: map("wavelength_m", Some(&table.wavelength_m))?,
-        coherence_m: map("coherence_m", table.coherence_m.as_ref())?,
-        bias: map("bias", table.bias.as_ref())?,
-        stickiness: map("stickiness", table.stickiness.as_ref())?,
-        hold: table.hold.as_ref().map_or(Ok(vec![1.0; laid.start.len()]), |hold| {
-            maps::map(scene, &laid, "growth.hold", hold)
-        })?,
-        frozen: frozen(scene, table, &laid)?,
-        bands: bands(scene, table, &laid)?,
-    };
+    let maps = growth_maps(scene, table, &laid)?;
     let extents: Vec<Extent> = scene.panel.iter().map(windows::extent).collect();
     let windows = windows::windows(&table.count, &extents, &laid)?;
     let chart = laid.chart.clone();
@@ -154,9 +141,10 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
         chart,
         windows,
     };
+    let surface = grown.surface();
     match &grown.adapt {
-        Some(adapt) => adapt.check(&grown.growing(), &grown.options)?,
-        None => grown.growing().check()?,
+        Some(adapt) => adapt.check(&surface, &grown.options)?,
+        None => surface.check()?,
     }
     Ok(grown)
 }
@@ -176,6 +164,23 @@ fn adapt_options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> Ad
         options.midpoints = MidpointPlacement::Start;
     }
     options
+}
+
+/// The maps of `table` on the mesh of `laid`.
+fn growth_maps(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<GrowthMaps> {
+    // λ takes the place of this value.
+    let at = |growth: &GrowthTensor| GrowthAt::new(*growth, f64::NAN);
+    let mut vertices: Vec<GrowthAt> =
+        maps::expansion(scene, table, laid)?.vertices.iter().map(at).collect();
+    for scalar in &SCALAR_MAPS {
+        if let Some(map) = table.scalar_map(scalar.name) {
+            let values = maps::map(scene, laid, &format!("growth.{}", scalar.name), map)?;
+            vertices.iter_mut().zip(values).for_each(|(at, value)| scalar.set(at, value));
+        }
+    }
+    let frozen = frozen(scene, table, laid)?;
+    vertices.iter_mut().zip(frozen).for_each(|(at, frozen)| at.frozen = frozen);
+    Ok(GrowthMaps { vertices, bands: bands(scene, table, laid)? })
 }
 
 /// `[V]` axes that are frozen, by `[[growth.freeze]]` and by clamps.
@@ -275,23 +280,19 @@ mod tests {
         let scene = parse("s.toml", SCENE).unwrap();
         let grown = build_growth(&scene).unwrap();
         for (v, p) in grown.built.start.iter().enumerate() {
-            let [most, least] = grown.maps.expansion.vertices[v].principal().0;
+            let [most, least] = grown.maps.vertices[v].growth.principal().0;
             assert!(
                 (most - 1.5 * (1.0 + p.x)).abs() < 1e-9 && (least - 1.5).abs() < 1e-9,
                 "{p}: {most} {least}"
             );
             assert_eq!(
-                grown.maps.frozen[v],
+                grown.maps.vertices[v].frozen,
                 if p.x == 0.0 { [true; 3] } else { [p.x == 1.0, false, p.x == 1.0] }
             );
         }
         // The same growth drives the base solve.
         let solved = build(&scene).unwrap();
-        let asked = grown
-            .maps
-            .expansion
-            .act_on(&grown.built.topology, &grown.built.start, &grown.built.rest)
-            .unwrap();
+        let asked = grown.surface().asked().unwrap();
         assert_eq!(solved.rest, asked);
         assert!(grown.parts(Some(40)).len() >= 40 && *grown.parts(None).last().unwrap() == 1.0);
     }

@@ -1,5 +1,6 @@
 //! Checks of `[growth]` that need no mesh.
 
+use crate::growth::maps::SCALAR_MAPS;
 use crate::scene::hold::{Grip, check_axes};
 use crate::scene::maps::procedure;
 use crate::scene::schema::{
@@ -22,15 +23,9 @@ pub(in crate::scene) fn check(scene: &Scene, table: &GrowthTable) -> Result<()> 
     for (i, expansion) in table.expansion.iter().enumerate() {
         check_expansion(scene, &format!("growth.expansion[{i}]"), expansion)?;
     }
-    check_map(scene, "growth.wavelength_m", &table.wavelength_m)?;
-    for (name, map) in [
-        ("coherence_m", &table.coherence_m),
-        ("bias", &table.bias),
-        ("stickiness", &table.stickiness),
-        ("hold", &table.hold),
-    ] {
-        if let Some(map) = map {
-            check_map(scene, &format!("growth.{name}"), map)?;
+    for map in &SCALAR_MAPS {
+        if let Some(table) = table.scalar_map(map.name) {
+            check_map(scene, &format!("growth.{}", map.name), table)?;
         }
     }
     for (i, band) in table.band.iter().enumerate() {

@@ -58,8 +58,10 @@ impl BuiltGrowth {
                 .filter(|(_, corners)| corners.iter().all(inside))
                 .for_each(|&(f, _)| within[f] = true);
             let faces: Vec<usize> = (0..within.len()).filter(|&f| within[f]).collect();
-            let waves =
-                faces.iter().flat_map(|&f| topology.faces[f]).map(|v| self.maps.wavelength_m[v]);
+            let waves = faces
+                .iter()
+                .flat_map(|&f| topology.faces[f])
+                .map(|v| self.maps.vertices[v].wavelength_m);
             let asked_wavelength_m = waves.sum::<f64>() / (3 * faces.len()).max(1) as f64;
             let extent = (high - low).x;
             let points = (POINTS.0 * extent / asked_wavelength_m).clamp(SIZES[0], SIZES[1]);
@@ -94,13 +96,11 @@ impl BuiltGrowth {
     pub fn reached(&self, pose: &[Vec3], asked: &RestMetric) -> Option<RealisedGrowth> {
         let mut banded = vec![false; pose.len()];
         self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);
-        let free = |v: usize| self.maps.frozen[v] == [false; 3] && !banded[v];
+        let free = |v: usize| self.maps.vertices[v].frozen == [false; 3] && !banded[v];
         let counts = |f: usize| {
             let face = self.built.topology.faces[f];
             face.into_iter().all(free)
-                && face
-                    .into_iter()
-                    .any(|v| self.maps.expansion.vertices[v].principal().0[0] > GROWS)
+                && face.into_iter().any(|v| self.maps.vertices[v].growth.principal().0[0] > GROWS)
         };
         let (topology, along) = (&self.built.topology, self.along());
         let any = (0..topology.face_count()).any(counts);
@@ -111,7 +111,7 @@ impl BuiltGrowth {
     /// `[F]` the direction along which the corner that grows most does.
     fn along(&self) -> Vec<Vec3> {
         let of = |face: &[usize; 3]| {
-            let corners = face.map(|v| self.maps.expansion.vertices[v].principal());
+            let corners = face.map(|v| self.maps.vertices[v].growth.principal());
             let most =
                 (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
             corners[most].1[0]

@@ -1,5 +1,5 @@
-//! `[growth]`: what a scene file may say about growth. Types and defaults; `check` says what the
-//! types cannot.
+//! `[growth]`: the tables of a scene file about growth. Types and defaults; `check` holds the rules
+//! that types cannot.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -51,6 +51,21 @@ pub struct GrowthTable {
     pub iteration_limit: Option<usize>,
     /// Remeshing while the surface grows; none: the mesh stays as it is.
     pub remesh: Option<RemeshTable>,
+}
+
+impl GrowthTable {
+    /// The table of the scalar map called `name` ([`crate::growth::maps::SCALAR_MAPS`]), if the scene
+    /// gives it.
+    pub(in crate::scene) fn scalar_map(&self, name: &str) -> Option<&MapTable> {
+        match name {
+            "wavelength_m" => Some(&self.wavelength_m),
+            "coherence_m" => self.coherence_m.as_ref(),
+            "bias" => self.bias.as_ref(),
+            "stickiness" => self.stickiness.as_ref(),
+            "hold" => self.hold.as_ref(),
+            _ => None,
+        }
+    }
 }
 
 /// `[growth.remesh]`: see [`crate::growth::adapt`].
