@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use plisse::Error;
 
-/// How a run ended that did not fail.
+/// End of a run that did not fail.
 pub(crate) enum RunEnd {
     /// Everything was done.
     Complete,
