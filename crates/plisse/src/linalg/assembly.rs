@@ -8,6 +8,7 @@ use faer::MatRef;
 use super::graph::inverse_permutation;
 use super::sparse::SymmetricPattern;
 use super::symbolic;
+use crate::adjacency::Csr;
 
 /// The assembly of one entry of the matrix.
 #[derive(Clone, Copy)]
@@ -143,47 +144,42 @@ fn relative_runs(rows: &[usize], parent: &symbolic::Supernode) -> Vec<RelativeRu
     runs
 }
 
-/// Sorts the entries of the matrix by supernode and finds their positions in the panels.
+/// Sorts the entries of the matrix by columns of the factor and finds their positions in the
+/// panels.
 pub(super) fn assembly_map(
     pattern: &SymmetricPattern,
     order: &[usize],
     supernodes: &mut [Supernode],
-) -> Vec<Entry> {
+) -> Csr<Entry> {
     let n = order.len();
     let position = inverse_permutation(order);
-    let all = || {
-        (0..n).flat_map(|column| {
-            (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot))
-        })
-    };
-    let column_and_row = |column: usize, slot: usize| {
-        let (p, q) = (position[column], position[pattern.rows[slot]]);
-        (p.min(q), p.max(q))
-    };
-    // Entries by column: first the slot and, as the target, the row; then, supernode after
-    // supernode, the position in the panel for the row.
-    let mut end = vec![0; n + 1];
-    all().for_each(|(column, slot)| end[column_and_row(column, slot).0 + 1] += 1);
-    (0..n).for_each(|k| end[k + 1] += end[k]);
-    let begin = end.clone();
-    let mut entries = vec![Entry { slot: 0, target: 0 }; pattern.entry_count()];
-    for (column, slot) in all() {
-        let (column, row) = column_and_row(column, slot);
-        entries[end[column]] = Entry { slot: slot as u32, target: row as u32 };
-        end[column] += 1;
-    }
+    let slots = (0..n).flat_map(|column| {
+        (pattern.columns[column]..pattern.columns[column + 1]).map(move |slot| (column, slot))
+    });
+    // The target is the row at first, and then its position in the panel.
+    let mut entries = Csr::from_pairs(
+        n,
+        slots.map(|(column, slot)| {
+            let (p, q) = (position[column], position[pattern.rows[slot]]);
+            (p.min(q), Entry { slot: slot as u32, target: p.max(q) as u32 })
+        }),
+    );
     let mut row_in_front = vec![0; n];
-    for node in supernodes {
+    let mut columns = entries.rows_mut();
+    for node in supernodes.iter() {
         let (width, below) = node.size();
         let rows = node.columns.clone().chain(node.rows.iter().copied());
         rows.enumerate().for_each(|(k, row)| row_in_front[row] = k);
-        for (k, column) in node.columns.clone().enumerate() {
-            for entry in &mut entries[begin[column]..begin[column + 1]] {
+        for (k, column) in columns.by_ref().take(width).enumerate() {
+            for entry in column {
                 let row = row_in_front[entry.target as usize];
                 entry.target = (row + k * (width + below)) as u32;
             }
         }
-        node.entries = begin[node.columns.start]..begin[node.columns.end];
+    }
+    drop(columns);
+    for node in supernodes {
+        node.entries = entries.start(node.columns.start)..entries.start(node.columns.end);
     }
     entries
 }

@@ -20,7 +20,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 use super::assembly::{Entry, Supernode, assembly_map, assembly_tree};
 use super::dense_front::{factorise_panel, subtract_square};
 use super::sparse::SymmetricPattern;
-use super::symbolic::{self, SymbolicFactorisation};
+use super::symbolic::SymbolicFactorisation;
+use crate::adjacency::{Csr, NONE};
 
 /// Operation count from which on a subtree is worth a thread.
 const PARALLEL_OPERATIONS: f64 = 4e6;
@@ -37,8 +38,8 @@ pub(super) struct Multifrontal {
     roots: Vec<usize>,
     /// `[n]` the unknowns in the order of their elimination.
     order: Vec<usize>,
-    /// `[nnz]` the entries of the matrix, supernode after supernode.
-    entries: Vec<Entry>,
+    /// `[nnz]` the entries of the matrix, by columns of the factor.
+    entries: Csr<Entry>,
     /// The panels of all supernodes, one after the other.
     factor: Vec<f64>,
     pool: BufferPool,
@@ -53,7 +54,7 @@ impl Multifrontal {
     pub(super) fn new(pattern: &SymmetricPattern, symbolic: &SymbolicFactorisation) -> Self {
         let mut supernodes = assembly_tree(&symbolic.supernodes);
         let entries = assembly_map(pattern, &symbolic.order, &mut supernodes);
-        let has_no_parent = |&s: &usize| symbolic.supernodes[s].parent == symbolic::NONE;
+        let has_no_parent = |&s: &usize| symbolic.supernodes[s].parent == NONE;
         let max_below = supernodes.iter().map(|node| node.rows.len()).max().unwrap_or(0);
         Self {
             entries,
@@ -254,7 +255,7 @@ impl Factorisation<'_> {
         let height = width + below;
         let panel = &mut factor[node.panel.start - offset..node.panel.end - offset];
         panel.fill(0.0);
-        for entry in &self.fronts.entries[node.entries.clone()] {
+        for entry in &self.fronts.entries.items()[node.entries.clone()] {
             panel[entry.target as usize] += self.values[entry.slot as usize];
         }
         for (&child, update) in node.children.iter().zip(&updates) {

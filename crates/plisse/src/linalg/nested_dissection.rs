@@ -13,9 +13,10 @@ use std::collections::VecDeque;
 
 use rayon::prelude::*;
 
-use super::graph::{Adjacency, Graph};
+use super::graph::{Graph, adjacency_with_loops};
 use super::separator::{SEPARATOR, Separator};
 use super::sparse::SymmetricPattern;
+use crate::adjacency::NONE;
 
 /// Largest number of nodes of a part that is not dissected any further.
 const MAX_LEAF: usize = 16;
@@ -37,9 +38,9 @@ pub(super) fn dissect(pattern: &SymmetricPattern) -> Vec<usize> {
 /// compressed to one node, and the unknowns of each node.
 fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
     let n = pattern.size();
-    let couplings = Adjacency::with_loops(pattern);
-    let list = |i: usize| couplings.neighbours(i);
-    let (mut node_of, mut members) = (vec![usize::MAX; n], Vec::<Vec<usize>>::new());
+    let couplings = adjacency_with_loops(pattern);
+    let list = |i: usize| &couplings[i];
+    let (mut node_of, mut members) = (vec![NONE; n], Vec::<Vec<usize>>::new());
     for i in 0..n {
         let same = list(i)
             .iter()
@@ -52,15 +53,19 @@ fn compress(pattern: &SymmetricPattern) -> (Graph, Vec<Vec<usize>>) {
             None => members.push(vec![i]),
         }
     }
-    let (mut adjacency, mut seen) = (Adjacency::empty(), vec![usize::MAX; members.len()]);
+    let (mut pairs, mut seen) = (Vec::new(), vec![NONE; members.len()]);
     for (node, unknowns) in members.iter().enumerate() {
         seen[node] = node;
-        adjacency.push(list(unknowns[0]).iter().filter_map(|&j| {
+        for &j in list(unknowns[0]) {
             let other = node_of[j];
-            (std::mem::replace(&mut seen[other], node) != node).then_some(other)
-        }));
+            if seen[other] != node {
+                seen[other] = node;
+                pairs.push((node, other));
+            }
+        }
     }
-    (Graph::new(adjacency, members.iter().map(Vec::len).collect()), members)
+    let weights = members.iter().map(Vec::len).collect();
+    (Graph::new(weights, pairs.into_iter()), members)
 }
 
 /// An order of the nodes of `graph`, a part whose nodes are called `names` in the whole.
@@ -143,10 +148,9 @@ fn map_maybe_parallel<S: Send, T: Send>(
 /// `[n]` half of each node: the connected components of `graph`, divided into two halves of about
 /// the same weight.
 fn bisect_components(graph: &Graph) -> Vec<usize> {
-    let (mut half, mut weights, mut queue) =
-        (vec![usize::MAX; graph.size()], [0; 2], VecDeque::new());
+    let (mut half, mut weights, mut queue) = (vec![NONE; graph.size()], [0; 2], VecDeque::new());
     for start in 0..graph.size() {
-        if half[start] != usize::MAX {
+        if half[start] != NONE {
             continue;
         }
         let lighter = usize::from(weights[1] < weights[0]);
@@ -155,7 +159,7 @@ fn bisect_components(graph: &Graph) -> Vec<usize> {
         while let Some(node) = queue.pop_front() {
             weights[lighter] += graph.weights[node];
             for &other in graph.neighbours(node) {
-                if half[other] == usize::MAX {
+                if half[other] == NONE {
                     half[other] = lighter;
                     queue.push_back(other);
                 }

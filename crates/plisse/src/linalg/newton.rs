@@ -117,7 +117,7 @@ pub struct Outcome {
     pub projected_gradient: f64,
     /// Iterations made.
     pub iterations: usize,
-    /// Why it ended.
+    /// The reason to end.
     pub ending: Ending,
 }
 

@@ -11,6 +11,7 @@ use faer::sparse::linalg::amd;
 use super::nested_dissection::dissect;
 use super::sparse::SymmetricPattern;
 use super::symbolic::{IndexBlocks, SymbolicFactorisation};
+use crate::adjacency::NONE;
 use crate::{Error, Result};
 
 /// Number of unknowns, each a block of its own, from which on nested dissection is worth its time.
@@ -86,12 +87,12 @@ fn strip_dense_rows(graph: &SymmetricPattern) -> (Subgraph, Vec<usize>) {
     let max_degree = DENSE_FACTOR * degree.iter().sum::<usize>() / n.max(1);
     let (nodes, dense): (Vec<usize>, Vec<usize>) =
         (0..n).partition(|&node| degree[node] <= max_degree);
-    let mut number = vec![usize::MAX; n];
+    let mut number = vec![NONE; n];
     nodes.iter().enumerate().for_each(|(new, &old)| number[old] = new);
     let (mut columns, mut rows) = (vec![0], Vec::new());
     for &old in &nodes {
         let all = graph.rows[graph.columns[old]..graph.columns[old + 1]].iter();
-        rows.extend(all.map(|&row| number[row]).filter(|&new| new != usize::MAX));
+        rows.extend(all.map(|&row| number[row]).filter(|&new| new != NONE));
         columns.push(rows.len());
     }
     (Subgraph { graph: SymmetricPattern { columns, rows }, nodes }, dense)

@@ -1,5 +1,7 @@
 //! Sparsity patterns of symmetric matrices, assembled from elements before any value is known.
 
+use crate::adjacency::{Csr, NONE};
+
 /// Pattern of the lower triangle (with the whole diagonal) of a symmetric `n × n` matrix, column by
 /// column.
 #[derive(Clone, Debug)]
@@ -37,26 +39,19 @@ impl SymmetricPattern {
             unknowns.extend_from_slice(element);
             begins.push(unknowns.len());
         }
-        // Elements of each unknown, one unknown after the other.
-        let mut ends = vec![0; n + 1];
-        unknowns.iter().for_each(|&i| ends[i + 1] += 1);
-        for i in 0..n {
-            ends[i + 1] += ends[i];
-        }
-        let mut of_unknown = vec![0; unknowns.len()];
-        let mut next = ends.clone();
-        for (e, range) in begins.windows(2).enumerate() {
-            for &i in &unknowns[range[0]..range[1]] {
-                of_unknown[next[i]] = e;
-                next[i] += 1;
-            }
-        }
+        let elements_of = Csr::from_pairs(
+            n,
+            begins
+                .windows(2)
+                .enumerate()
+                .flat_map(|(e, range)| unknowns[range[0]..range[1]].iter().map(move |&i| (i, e))),
+        );
         let (mut columns, mut rows) = (vec![0], Vec::new());
-        let mut seen_by = vec![usize::MAX; n];
+        let mut seen_by = vec![NONE; n];
         for column in 0..n {
             let begin = rows.len();
             rows.push(column);
-            for &e in &of_unknown[ends[column]..ends[column + 1]] {
+            for &e in &elements_of[column] {
                 for &row in &unknowns[begins[e]..begins[e + 1]] {
                     if row > column && seen_by[row] != column {
                         seen_by[row] = column;

@@ -5,11 +5,9 @@
 
 use std::ops::Range;
 
-use super::graph::{Adjacency, inverse_permutation};
+use super::graph::{adjacency_with_loops, inverse_permutation};
 use super::sparse::SymmetricPattern;
-
-/// No node: the parent of a root.
-pub(super) const NONE: usize = usize::MAX;
+use crate::adjacency::{Csr, NONE};
 
 /// Relaxed amalgamation: a supernode is joined with its last child while the union satisfies one of
 /// these limits, as faster dense operations then outweigh the explicit zeros.
@@ -88,7 +86,7 @@ impl SymbolicFactorisation {
     /// Symbolic analysis of the elimination of `blocks` in `order`, or in an equivalent postorder.
     pub(super) fn analyse(blocks: &IndexBlocks, order: &[usize]) -> Self {
         let IndexBlocks { graph, members } = blocks;
-        let graph = Adjacency::with_loops(graph);
+        let graph = adjacency_with_loops(graph);
         let tree = elimination_tree(&graph, order);
         let (block_order, tree) = in_postorder(order, &tree);
         let mut begin = vec![0];
@@ -122,12 +120,12 @@ impl SymbolicFactorisation {
 
 /// `[n]` parent of each position of `order` in the elimination tree; [`NONE`] for a root. By path
 /// compression (Liu 1986).
-fn elimination_tree(graph: &Adjacency, order: &[usize]) -> Vec<usize> {
+fn elimination_tree(graph: &Csr, order: &[usize]) -> Vec<usize> {
     let n = order.len();
     let position = inverse_permutation(order);
     let (mut parent, mut ancestor) = (vec![NONE; n], vec![NONE; n]);
     for k in 0..n {
-        for &other in graph.neighbours(order[k]) {
+        for &other in &graph[order[k]] {
             let mut at = position[other];
             while at < k && ancestor[at] != k {
                 let next = ancestor[at];
@@ -186,7 +184,7 @@ struct BlockSupernode {
 
 /// The maximal supernodes of the postorder `order` with the elimination tree `parent`. (Fundamental
 /// ones, Liu, Ng & Peyton 1993, would end at every node with more than one child.)
-fn maximal_supernodes(graph: &Adjacency, order: &[usize], parent: &[usize]) -> Vec<BlockSupernode> {
+fn maximal_supernodes(graph: &Csr, order: &[usize], parent: &[usize]) -> Vec<BlockSupernode> {
     let n = order.len();
     let position = inverse_permutation(order);
     let children = children(parent);
@@ -201,7 +199,7 @@ fn maximal_supernodes(graph: &Adjacency, order: &[usize], parent: &[usize]) -> V
                 rows.push(row as u32);
             }
         };
-        graph.neighbours(order[k]).iter().for_each(|&other| add(position[other]));
+        graph[order[k]].iter().for_each(|&other| add(position[other]));
         for &child in &children[k] {
             supernodes[ends[child]].rows.iter().for_each(|&row| add(row as usize));
         }
