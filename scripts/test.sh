@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The one test command: installs missing tools, then checks formatting, lints, docs and tests, and runs the first example
-# as the README does. Tests that lack their data report "ignored". Works on a bare Debian 12 with Rust (rustup) only; nothing is cached outside the clone.
+# as the README does. Tests that lack their data report "ignored". Works on a bare Debian 12 with Rust (rustup) only;
+# nothing is cached outside the clone.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
