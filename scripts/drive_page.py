@@ -1,9 +1,9 @@
-"""Drives the studio's page in headless Chromium, by the DevTools protocol over pipes; for scripts/test-web.sh.
+"""Drives the studio's page in headless Chromium, by the DevTools protocol over pipes.
 
 usage: drive_page.py URL PICTURE.png [CHROMIUM FLAGS...]
 
-Waits until the page says that its script is done, takes a picture, prints what the page told, and fails if it told an error or the
-picture is of one colour.
+For scripts/test-web.sh. Waits until the page's script is done, writes a picture, and prints the
+page's errors and warnings. Fails if there was an error or the picture is of one colour.
 """
 
 import base64
@@ -16,6 +16,19 @@ import time
 import zlib
 
 LIMIT_S = float(os.environ.get("LIMIT_S", 600))
+
+# Mean time between the frames of three seconds (ms).
+FRAME_MS = """new Promise((done) => {
+  const begun = performance.now();
+  let n = 0;
+  const step = () => {
+    n++;
+    const passed = performance.now() - begun;
+    if (passed > 3000) done(passed / n);
+    else requestAnimationFrame(step);
+  };
+  requestAnimationFrame(step);
+})"""
 
 
 class Browser:
@@ -30,15 +43,30 @@ class Browser:
             os.dup2(a, 3)
             os.dup2(b, 4)
 
-        usual = ["--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-                 "--disable-component-update", "--disable-sync", "--hide-scrollbars", "--window-size=1280,800",
-                 "--remote-debugging-pipe", f"--user-data-dir={self.folder.name}"]
-        self.process = subprocess.Popen([os.environ.get("CHROMIUM", "chromium"), *usual, *flags, "about:blank"], close_fds=False,
-                                        preexec_fn=pipes, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        usual = [
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            "--hide-scrollbars",
+            "--window-size=1280,800",
+            "--remote-debugging-pipe",
+            f"--user-data-dir={self.folder.name}",
+        ]
+        self.process = subprocess.Popen(
+            [os.environ.get("CHROMIUM", "chromium"), *usual, *flags, "about:blank"],
+            close_fds=False,
+            preexec_fn=pipes,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         os.close(theirs_in)
         os.close(theirs_out)
         self.answers, self.commands = os.fdopen(ours_in, "rb"), os.fdopen(ours_out, "wb")
-        self.rest, self.number, self.told = b"", 0, []
+        self.rest, self.number, self.messages = b"", 0, []
 
     def call(self, method, session=None, **params):
         self.number += 1
@@ -66,12 +94,14 @@ class Browser:
 
     def hear(self, event):
         params = event.get("params", {})
-        if event.get("method") == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning"):
+        method = event.get("method")
+        if method == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning"):
             text = " ".join(str(a.get("value", a.get("description"))) for a in params["args"])
-            self.told.append((params["type"], text))
-        elif event.get("method") == "Runtime.exceptionThrown":
+            self.messages.append((params["type"], text))
+        elif method == "Runtime.exceptionThrown":
             details = params["exceptionDetails"]
-            self.told.append(("error", details.get("exception", {}).get("description", details["text"])))
+            text = details.get("exception", {}).get("description", details["text"])
+            self.messages.append(("error", text))
 
     def close(self):
         self.process.terminate()
@@ -79,7 +109,7 @@ class Browser:
 
 
 def colours(png):
-    """How many different colours a PNG of 8-bit RGB(A) has; rows are taken as they are filtered, which is enough to tell one from many."""
+    """Number of different colours in a PNG of 8-bit RGB(A), estimated from its filtered rows."""
     at, data = 8, b""
     while at < len(png):
         size = int.from_bytes(png[at:at + 4], "big")
@@ -101,10 +131,17 @@ def main():
         size = {"width": 1280, "height": 800, "deviceScaleFactor": 1, "mobile": False}
         browser.call("Emulation.setDeviceMetricsOverride", session, **size)
 
-        browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=os.path.dirname(os.path.abspath(picture)))
+        downloads = os.path.dirname(os.path.abspath(picture))
+        browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=downloads)
 
         def value(expression):
-            found = browser.call("Runtime.evaluate", session, expression=expression, returnByValue=True, awaitPromise=True)
+            found = browser.call(
+                "Runtime.evaluate",
+                session,
+                expression=expression,
+                returnByValue=True,
+                awaitPromise=True,
+            )
             return found["result"].get("value")
 
         begun = time.time()
@@ -113,23 +150,24 @@ def main():
         while time.time() - begun < LIMIT_S and state not in ("done", "failed"):
             time.sleep(0.5)
             state = value("document.body && document.body.dataset.state") or "loading"
-        frames = value("""new Promise((done) => { const begun = performance.now(); let n = 0;
-            const step = () => { n++; performance.now() - begun > 3000 ? done((performance.now() - begun) / n) : requestAnimationFrame(step); };
-            requestAnimationFrame(step); })""") if state == "done" else None
-        png = base64.b64decode(browser.call("Page.captureScreenshot", session, format="png")["data"])
+        frame_ms = value(FRAME_MS) if state == "done" else None
+        shot = browser.call("Page.captureScreenshot", session, format="png")
+        png = base64.b64decode(shot["data"])
         with open(picture, "wb") as file:
             file.write(png)
-        graphics, load_ms = value("document.body.dataset.graphics"), value("document.body.dataset.loadMs")
-        print(f"{url}\n  {state} after {time.time() - begun:.1f} s; {graphics}; running after {load_ms} ms")
-        if frames:
-            print(f"  {frames:.1f} ms between frames")
-        for kind, text in browser.told:
+        graphics = value("document.body.dataset.graphics")
+        load_ms = value("document.body.dataset.loadMs")
+        seconds = time.time() - begun
+        print(f"{url}\n  {state} after {seconds:.1f} s; {graphics}; running after {load_ms} ms")
+        if frame_ms:
+            print(f"  {frame_ms:.1f} ms between frames")
+        for kind, text in browser.messages:
             print(f"  {kind}: {text[:1200]}")
         many = colours(png)
         if state != "done":
             sys.exit(f"error: the page is {state} instead of done; see {picture}")
-        if any(kind == "error" for kind, _ in browser.told):
-            sys.exit("error: the page told an error")
+        if any(kind == "error" for kind, _ in browser.messages):
+            sys.exit("error: the page reported an error")
         if many < 50:
             sys.exit(f"error: the page is blank; see {picture}")
     finally:

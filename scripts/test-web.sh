@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds the page (scripts/web.sh), opens it in headless Chromium by WebGL 2 in software, paints, changes views, solves a scene, takes a
-# file away, and leaves pictures in target/page-test/. Fails if the page told an error or is blank. Apart from scripts/test.sh: the build takes long.
+# Builds the page (scripts/web.sh) and opens it in headless Chromium, with WebGL 2 in software:
+# paints, changes views, solves a scene, exports a file, and leaves pictures in target/page-test/.
+# Fails if the page reports an error or is blank. Not part of scripts/test.sh: the build takes long.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,7 +12,8 @@ for tool in chromium python3; do
   fi
 done
 [ "${1:-}" = --built ] || scripts/web.sh
-[ "${1:-}" = --built ] || cargo clippy -p plisse-studio --target wasm32-unknown-unknown --locked -- -D warnings
+[ "${1:-}" = --built ] ||
+  cargo clippy -p plisse-studio --target wasm32-unknown-unknown --locked -- -D warnings
 
 pictures=target/page-test
 steps=target/page/test
@@ -59,15 +61,15 @@ orbit 0 50
 fit
 settle
 S
-cat > "$steps/take.txt" <<'S'
+cat > "$steps/export.txt" <<'S'
 open square
 hold
 time 0.8
-tab Take away
+tab Export
 settle
 fit
 settle
-take surface square.obj
+export surface square.obj
 settle
 S
 
@@ -82,12 +84,15 @@ done
 
 soft=(--use-angle=swiftshader --enable-unsafe-swiftshader)
 page="http://127.0.0.1:$port/"
-for name in paint sleeve direction take; do
-  python3 scripts/drive_page.py "$page?graphics=webgl&script=test/$name.txt" "$pictures/$name.png" "${soft[@]}"
+for name in paint sleeve direction export; do
+  python3 scripts/drive_page.py "$page?graphics=webgl&script=test/$name.txt" \
+    "$pictures/$name.png" "${soft[@]}"
 done
-python3 scripts/drive_page.py "$page?graphics=webgl&file=examples/03-sheared-rectangle.toml&script=test/solve.txt" "$pictures/solve.png" "${soft[@]}"
+scene=examples/03-sheared-rectangle.toml
+python3 scripts/drive_page.py "$page?graphics=webgl&file=$scene&script=test/solve.txt" \
+  "$pictures/solve.png" "${soft[@]}"
 if ! grep -q '^v ' "$pictures/square.obj"; then
-  echo "error: the surface that was taken away did not come down" >&2
+  echo "error: the exported surface was not downloaded" >&2
   exit 1
 fi
 echo "pictures are in $pictures"

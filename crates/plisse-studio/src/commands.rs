@@ -1,5 +1,6 @@
 //! Commands of menus, keys and panels. A panel changes what it shows; what reaches further is a
-//! command, which the studio runs. Every shortcut stands in one list, beside its entry in the menus.
+//! command, which the studio runs. Every shortcut stands in one list, beside its entry in the
+//! menus.
 
 use std::path::PathBuf;
 
@@ -132,7 +133,8 @@ impl Command {
         })
     }
 
-    /// The commands whose keys were pressed. While a field has the keyboard, plain keys are its own.
+    /// The commands whose keys were pressed. While a field has the keyboard, plain keys are its
+    /// own.
     pub fn pressed(ctx: &egui::Context) -> Vec<Self> {
         let typing = ctx.egui_wants_keyboard_input();
         let is_pressed = |command: &Self| {

@@ -1,9 +1,9 @@
-//! Named fabrics and films, each with the source of its constants.
+//! Named fabrics and films, with the source of their constants.
 
-/// A sheet that has a name.
+/// A fabric or film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fabric {
-    /// Its name.
+    /// Name in the window.
     pub name: &'static str,
     /// Young's modulus (Pa).
     pub young_pa: f64,
@@ -13,11 +13,11 @@ pub struct Fabric {
     pub thickness_m: f64,
     /// Density (kg/m³).
     pub density_kg_m3: f64,
-    /// Where the constants come from; what is not from there is said, too.
+    /// Source of the constants, and of those that are from elsewhere.
     pub source: &'static str,
 }
 
-/// All of them.
+/// All fabrics and films.
 pub const FABRICS: [Fabric; 6] = [
     Fabric {
         name: "Soft cloth, 1 mm",

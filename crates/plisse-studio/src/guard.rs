@@ -1,4 +1,4 @@
-//! Keeps the work: an autosave that outlives a kill, and an eye on the files that are open.
+//! Autosaves, which survive a killed program, and the watch on open files.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -9,34 +9,35 @@ use plisse::io::disk;
 use crate::document::{Document, Source};
 use crate::open;
 
-/// Seconds between autosaves, and between looks at files.
+/// Time between autosaves (s).
 const AUTOSAVE_S: f64 = 20.0;
+/// Time between checks of open files (s).
 const WATCH_S: f64 = 1.5;
 
-/// What is kept in the autosave's folder: one file for each process, with the folder that paths in
-/// it are relative to.
+/// The autosave of this process, and the times of the open files. Paths in an autosave are relative
+/// to its folder.
 #[derive(Debug)]
 pub struct Guard {
-    /// Where autosaves lie; none: nowhere to write.
+    /// Folder of the autosaves; `None`: there are none.
     folder: Option<PathBuf>,
-    /// Revision that was autosaved last.
+    /// Revision of the last autosave.
     kept: u64,
     last_autosave_s: f64,
     last_watch_s: f64,
-    /// Files that are open, with the times they had.
+    /// The open files, with the times of their last change.
     watched: Vec<(PathBuf, Option<SystemTime>)>,
 }
 
-/// An autosave that a program left which did not end by itself.
+/// An autosave that an earlier run left behind, because it was killed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Leftover {
     /// The file.
     pub path: PathBuf,
-    /// The name of what was worked on.
+    /// Name of its model.
     pub name: String,
 }
 
-/// Where this system keeps what programs need between runs.
+/// The usual folder of autosaves on this system.
 pub fn usual_folder() -> Option<PathBuf> {
     let env = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     let state = env("XDG_STATE_HOME")
@@ -46,12 +47,12 @@ pub fn usual_folder() -> Option<PathBuf> {
 }
 
 impl Guard {
-    /// Keeps autosaves in `folder`.
+    /// A guard whose autosaves go to `folder`.
     pub fn new(folder: Option<PathBuf>) -> Self {
         Self { folder, kept: 0, last_autosave_s: 0.0, last_watch_s: 0.0, watched: Vec::new() }
     }
 
-    /// Watches what `document` came from from now on.
+    /// Watches the file of `document` from now on.
     pub fn watch(&mut self, document: &Document) {
         self.kept = document.revision;
         self.watched = match &document.subject.source {
@@ -60,8 +61,7 @@ impl Guard {
         };
     }
 
-    /// A file that is open and has changed on the disk since it was read; told once for each
-    /// change.
+    /// An open file that has changed on the disk since it was read; each change is returned once.
     pub fn changed_file(&mut self, now_s: f64) -> Option<PathBuf> {
         if now_s - self.last_watch_s < WATCH_S {
             return None;
@@ -69,7 +69,7 @@ impl Guard {
         self.last_watch_s = now_s;
         for (path, known) in &mut self.watched {
             let there = disk::modified(path);
-            // A file that is away may be on its way: programs replace files by renaming.
+            // A missing file may come back: programs replace files by renaming.
             if there.is_some() && there != *known {
                 *known = there;
                 return Some(path.clone());
@@ -78,7 +78,7 @@ impl Guard {
         None
     }
 
-    /// Keeps `document` if it changed since the last time and it is time again.
+    /// Autosaves `document` if it has changed and the time has come; true if it was written.
     ///
     /// # Errors
     /// [`plisse::Error::File`] if it cannot be written.
@@ -91,7 +91,7 @@ impl Guard {
         Ok(true)
     }
 
-    /// Keeps `document` now.
+    /// Autosaves `document` now.
     ///
     /// # Errors
     /// [`plisse::Error::File`] if it cannot be written.
@@ -103,14 +103,14 @@ impl Guard {
         Ok(())
     }
 
-    /// The program ends by itself: nothing is left to recover.
+    /// Removes the autosave: the program ends, and nothing is to be recovered.
     pub fn clear(&self) {
         if let Some(folder) = &self.folder {
             let _ = disk::remove(&folder.join(own_name()));
         }
     }
 
-    /// Autosaves of programs that are gone, the newest first.
+    /// Autosaves of processes that are gone, the newest first.
     pub fn leftovers(&self) -> Vec<Leftover> {
         let Some(folder) = &self.folder else { return Vec::new() };
         let mut found: Vec<(SystemTime, Leftover)> = Vec::new();
@@ -146,12 +146,12 @@ fn own_name() -> String {
     format!("autosave-{}{}", own_number(), open::DOCUMENT_END)
 }
 
-/// The process; pages have none.
+/// Number of this process; pages have none.
 fn own_number() -> u32 {
     if disk::IN_MEMORY { 1 } else { std::process::id() }
 }
 
-/// Whether a process runs; where that cannot be told, none does.
+/// True if a process runs; false where that is unknown.
 fn is_alive(process: u32) -> bool {
     Path::new("/proc").join(process.to_string()).exists()
 }

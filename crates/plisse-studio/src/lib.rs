@@ -6,9 +6,9 @@
 //!
 //! The program's state is split by data: [`session`] (document and file), [`viewport`] (picture),
 //! [`tools`] (brush), [`jobs`] (long work) and [`shell`] (the window around them). [`panels`] show
-//! these parts and return [`commands`]; [`studio`] holds the parts and runs the commands. [`window`]
-//! is the program as eframe runs it, [`page`] the program in a browser, and [`automation`] drives it
-//! by scripts.
+//! these parts and return [`commands`]; [`studio`] holds the parts and runs the commands.
+//! [`window`] is the program as eframe runs it, [`page`] the program in a browser, and
+//! [`automation`] drives it by scripts.
 
 pub mod automation;
 pub mod brush;

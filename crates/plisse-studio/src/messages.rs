@@ -1,6 +1,6 @@
-//! What the program has to say: a list that stays in the window until it is read.
+//! Messages to the user: a list that stays in the window until it is read.
 
-/// How bad it is.
+/// The weight of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
     /// Something was done.
@@ -12,32 +12,32 @@ pub enum Weight {
 /// One message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// How bad it is.
+    /// Its weight.
     pub weight: Weight,
-    /// One sentence: place, what is wrong, mend; or what was done.
+    /// One sentence: place, problem and fix, or what was done.
     pub text: String,
-    /// How often it came in a row.
+    /// Number of times that it came in a row.
     pub times: usize,
 }
 
-/// Messages that are kept.
+/// Most messages that are kept.
 const MOST: usize = 200;
 
-/// All messages, the newest last.
+/// The messages, the newest last.
 #[derive(Clone, Debug, Default)]
 pub struct Messages {
     list: Vec<Message>,
-    /// Whether problems came that nobody has closed yet.
+    /// True if there are problems that the user has not closed yet.
     pub open: bool,
 }
 
 impl Messages {
-    /// Something was done.
+    /// Adds a note: something was done.
     pub fn note(&mut self, text: impl Into<String>) {
         self.push(Weight::Note, text.into());
     }
 
-    /// Something could not be done.
+    /// Adds a problem: something could not be done.
     pub fn problem(&mut self, text: impl std::fmt::Display) {
         self.push(Weight::Problem, text.to_string());
         self.open = true;
@@ -54,12 +54,12 @@ impl Messages {
         }
     }
 
-    /// All, the newest last.
+    /// All messages, the newest last.
     pub fn list(&self) -> &[Message] {
         &self.list
     }
 
-    /// The newest.
+    /// The newest message.
     pub fn last(&self) -> Option<&Message> {
         self.list.last()
     }

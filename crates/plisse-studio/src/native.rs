@@ -1,15 +1,16 @@
-//! The program in a window of its own, as the command line asks for it.
+//! The command line of the program, and its own window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use clap::Parser;
 use plisse::{Error, Result};
 use plisse_studio::automation::driver::Driver;
+use plisse_studio::automation::script::{self, Step};
 use plisse_studio::view::Graphics;
 use plisse_studio::window::Window;
-use plisse_studio::{Start, Studio, automation::script, guard};
+use plisse_studio::{Start, Studio, guard};
 
 /// See wrinkles, paint them, tune them, export them.
 #[derive(Parser)]
@@ -18,7 +19,7 @@ struct Arguments {
     /// A model (.glb, .gltf, .obj, .ply, or square, curtain, zeppelin, shirt, sleeve), a scene
     /// (.toml) or a document (.plisse.json)
     file: Option<PathBuf>,
-    /// Draw by the processor, for machines without a GPU
+    /// Draw on the processor, for machines without a GPU
     #[arg(long)]
     cpu: bool,
     /// Run the commands in this file
@@ -30,10 +31,10 @@ struct Arguments {
     /// Size of the window (points)
     #[arg(long, value_name = "WxH", default_value = "1280x800")]
     size: String,
-    /// Keep no autosaves
+    /// Write no autosaves
     #[arg(long)]
     no_autosave: bool,
-    /// Print milliseconds a frame of every view, on a sheet of 100,000 vertices, and quit; no
+    /// Print milliseconds per frame of every view, on a sheet of 100,000 vertices, and quit; no
     /// window opens
     #[arg(long)]
     measure: bool,
@@ -56,17 +57,52 @@ fn run(arguments: &Arguments) -> Result<()> {
     if arguments.measure {
         return plisse_studio::automation::measure::run(!arguments.cpu);
     }
-    let size = arguments
-        .size
-        .split_once('x')
-        .and_then(|(w, h)| Some([w.parse::<f32>().ok()?, h.parse::<f32>().ok()?]));
-    let size = size.filter(|s| s.iter().all(|x| (200.0..=8192.0).contains(x)));
-    let size = size.ok_or_else(|| {
-        Error::value(
-            "--size",
-            format!("\"{}\" is no size; give WIDTHxHEIGHT, such as 1280x800", arguments.size),
-        )
+    let steps = steps(arguments)?;
+    let driver = (!steps.is_empty()).then(|| Driver::new(steps));
+    let failure = Arc::new(Mutex::new(None));
+    let autosaves = !arguments.no_autosave && driver.is_none();
+    let program = Program {
+        graphics: Graphics::own(!arguments.cpu),
+        autosave_folder: autosaves.then(guard::usual_folder).flatten(),
+        file: arguments.file.clone(),
+        driver,
+        failure: Arc::clone(&failure),
+    };
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_inner_size(size(&arguments.size)?)
+            .with_title("Plissé Studio")
+            .with_app_id("plisse-studio"),
+        ..Default::default()
+    };
+    eframe::run_native(
+        "plisse-studio",
+        options,
+        Box::new(|context| Ok(Box::new(program.window(&context.egui_ctx)?))),
+    )
+    .map_err(|e| {
+        let fix = "run it on a desktop, or install a Vulkan driver";
+        Error::numeric("window", format!("it could not be opened ({e}); {fix}"))
     })?;
+    match failure.lock().ok().and_then(|mut f| f.take()) {
+        Some(error) => Err(error),
+        None => Ok(()),
+    }
+}
+
+/// Width and height (points) in a text such as 1280x800.
+fn size(text: &str) -> Result<[f32; 2]> {
+    let size =
+        text.split_once('x').and_then(|(w, h)| Some([w.parse::<f32>().ok()?, h.parse().ok()?]));
+    let size = size.filter(|s| s.iter().all(|x| (200.0..=8192.0).contains(x)));
+    size.ok_or_else(|| {
+        let problem = format!("\"{text}\" is no size; give WIDTHxHEIGHT, such as 1280x800");
+        Error::value("--size", problem)
+    })
+}
+
+/// The steps of the script, and those of the screenshot.
+fn steps(arguments: &Arguments) -> Result<Vec<Step>> {
     let mut steps = Vec::new();
     if let Some(path) = &arguments.script {
         steps = script::parse(&std::fs::read_to_string(path).map_err(|e| Error::reading(path, e))?);
@@ -74,48 +110,34 @@ fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.screenshot {
         steps.extend(script::parse(&format!("hold\nsettle\nscreenshot {}\nquit", path.display())));
     }
-    let driver = (!steps.is_empty()).then(|| Driver::new(steps));
-    let failure = Arc::new(std::sync::Mutex::new(None));
-    let seen = Arc::clone(&failure);
-    let (gpu, file) = (!arguments.cpu, arguments.file.clone());
-    let keep = (!arguments.no_autosave && driver.is_none()).then(guard::usual_folder).flatten();
-    let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_inner_size(size)
-            .with_title("Plissé Studio")
-            .with_app_id("plisse-studio"),
-        ..Default::default()
-    };
-    let create = move |context: &eframe::CreationContext<'_>| -> std::result::Result<
-        Box<dyn eframe::App>,
-        Box<dyn std::error::Error + Send + Sync>,
-    > {
-        context.egui_ctx.set_theme(egui::Theme::Light);
-        let ctx = context.egui_ctx.clone();
+    Ok(steps)
+}
+
+/// The program before its window is open.
+struct Program {
+    graphics: Graphics,
+    autosave_folder: Option<PathBuf>,
+    file: Option<PathBuf>,
+    driver: Option<Driver>,
+    failure: Arc<Mutex<Option<Error>>>,
+}
+
+impl Program {
+    fn window(self, ctx: &egui::Context) -> Result<Window> {
+        ctx.set_theme(egui::Theme::Light);
+        let theirs = ctx.clone();
         let mut studio = Studio::new(Start {
-            graphics: Graphics::own(gpu),
-            autosave_folder: keep,
-            request_repaint: Arc::new(move || ctx.request_repaint()),
+            graphics: self.graphics,
+            autosave_folder: self.autosave_folder,
+            request_repaint: Arc::new(move || theirs.request_repaint()),
         })?;
-        match file.as_ref().map(|f| f.to_string_lossy().into_owned()) {
+        match self.file.as_ref().map(|f| f.to_string_lossy().into_owned()) {
             Some(name) if plisse_live::models::NAMES.contains(&name.as_str()) => {
                 studio.show_own(&name)
             }
-            Some(path) => studio.open(std::path::Path::new(&path)),
+            Some(path) => studio.open(Path::new(&path)),
             None => {}
         }
-        Ok(Box::new(Window { studio, driver, failure: seen }))
-    };
-    eframe::run_native("plisse-studio", options, Box::new(create)).map_err(|e| {
-        Error::numeric(
-            "window",
-            format!(
-                "it could not be opened ({e}); run it on a desktop, or install a Vulkan driver"
-            ),
-        )
-    })?;
-    match failure.lock().ok().and_then(|mut f| f.take()) {
-        Some(error) => Err(error),
-        None => Ok(()),
+        Ok(Window { studio, driver: self.driver, failure: self.failure })
     }
 }

@@ -300,8 +300,9 @@ impl Viewport {
         Arc::clone(&self.cached.layer)
     }
 
-    /// Requests a picture if the last one is outdated and none is on its way. `solid` is the surface
-    /// that [`Viewport::shown`] names, if it is there; `paints`: true while a stroke is painted.
+    /// Requests a picture if the last one is outdated and none is on its way. `solid` is the
+    /// surface that [`Viewport::shown`] names, if it is there; `paints`: true while a stroke is
+    /// painted.
     pub(crate) fn request(
         &mut self,
         document: &Document,

@@ -1,4 +1,4 @@
-//! The program as eframe runs it, in a window of its own and in a page.
+//! The program as eframe runs it.
 
 use std::sync::{Arc, Mutex};
 
@@ -12,31 +12,31 @@ use crate::studio::Studio;
 pub struct Window {
     /// The program.
     pub studio: Studio,
-    /// The script that drives it, while there is one.
+    /// The driver of a script, while there is one.
     pub driver: Option<Driver>,
-    /// Why the script ended, if it could not be done.
+    /// The error that ended the script.
     pub failure: Arc<Mutex<Option<Error>>>,
 }
 
-impl eframe::App for Window {
-    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+impl Window {
+    /// One frame of the program, and one step of its script.
+    pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.studio.ui(ui);
         let now_s = ctx.input(|i| i.time);
-        #[cfg(target_arch = "wasm32")]
-        let was_driven = self.driver.is_some();
-        if let Some(driver) = &mut self.driver {
-            if let Err(error) = driver.go(&mut self.studio, &ctx, now_s) {
-                if let Ok(mut failure) = self.failure.lock() {
-                    *failure = Some(error);
-                }
-                self.studio.shell.quits = true;
-            } else if driver.is_done() {
-                self.driver = None;
+        let Some(driver) = &mut self.driver else { return };
+        if let Err(error) = driver.advance(&mut self.studio, &ctx, now_s) {
+            if let Ok(mut failure) = self.failure.lock() {
+                *failure = Some(error);
             }
+            self.studio.shell.quits = true;
+        } else if driver.is_done() {
+            self.driver = None;
         }
-        #[cfg(target_arch = "wasm32")]
-        crate::page::after_frame(self, was_driven);
+    }
+
+    /// Closes the window if that was asked for; unsaved work needs an answer first.
+    pub fn close_if_asked(&mut self, ctx: &egui::Context) {
         let closes = ctx.input(|i| i.viewport().close_requested());
         if closes && !self.studio.shell.quits && self.studio.session.is_unsaved() {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
@@ -47,5 +47,12 @@ impl eframe::App for Window {
         } else if closes {
             self.studio.close();
         }
+    }
+}
+
+impl eframe::App for Window {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        self.frame(ui);
+        self.close_if_asked(ui.ctx());
     }
 }

@@ -62,7 +62,7 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
             .stroke
             .dabs
             .iter()
-            .map(|(f, w)| Hit::on(*f as usize, *w, &x, &unified.faces).position)
+            .map(|dab| Hit::on(dab.face as usize, dab.weights, &x, &unified.faces).position)
             .collect();
         assert!(
             dabs.len() > 5 && dabs.windows(2).all(|d| (d[1] - d[0]).norm() < 0.17 * 0.5),
@@ -315,7 +315,7 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
         ("\"vertices\":89", "\"vertices\":7", "old model file"),
         ("\"own\":\"curtain\"", "\"own\":\"couch\"", "couch"),
         ("{", "", "no JSON"),
-        ("\"settings\"", "\"settinks\"", "not as it should be"),
+        ("\"settings\"", "\"settinks\"", "a field is invalid"),
     ] {
         assert!(text.contains(from), "{from} in {}", &text[..200]);
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();

@@ -1,4 +1,4 @@
-//! The whole program without a window: open, paint, undo, solve, take away, and what happens when
+//! The whole program without a window: open, paint, undo, solve, export, and what happens when
 //! something goes wrong.
 
 use std::path::{Path, PathBuf};
@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use egui::{Key, Modifiers, PointerButton, Pos2, pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use plisse_studio::automation::measure::{Report, measure};
 use plisse_studio::commands::Command;
 use plisse_studio::document::Layer;
 use plisse_studio::view::{Graphics, View};
@@ -80,7 +81,7 @@ fn press(harness: &mut Harness<'static, Studio>, label: &str) {
     harness.step();
 }
 
-/// Whether the window says so, somewhere.
+/// Checks that a text of the window contains `part`.
 #[track_caller]
 fn says(harness: &Harness<'static, Studio>, part: &str) {
     assert!(
@@ -223,7 +224,7 @@ fn every_view_has_a_key_and_another_picture() {
 }
 
 #[test]
-fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
+fn a_scene_is_solved_and_exported_as_the_command_line_makes_it() {
     let folder = folder("solve");
     let path = folder.join("small.toml");
     std::fs::write(&path, SCENE).unwrap();
@@ -250,7 +251,7 @@ fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
     let again = harness.state().jobs.physics.solved.clone().expect("solved again");
     let (first, next) = (solved.base.iterations, again.base.iterations);
     assert!(2 * next <= first, "{next} iterations after {first}");
-    // Taken away.
+    // Exported.
     let out = folder.join("out");
     harness.state_mut().export_files(Kind::SceneFiles, &out);
     settle(&mut harness);
@@ -275,7 +276,7 @@ fn a_scene_is_solved_and_taken_away_as_the_command_line_makes_it() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// The scene file that was taken away, solved by the library's calls, gives the bytes beside it.
+/// The exported scene file, solved by the library's calls, gives the bytes beside it.
 fn same_as_the_library(out: &Path) {
     let built =
         plisse::scene::build(&plisse::scene::read(out.join("scene.toml")).unwrap()).unwrap();
@@ -326,7 +327,7 @@ fn same_as_the_command(out: &Path) {
 }
 
 #[test]
-fn live_waves_are_taken_away_and_a_full_disk_loses_nothing() {
+fn live_waves_are_exported_and_a_full_disk_loses_nothing() {
     let folder = folder("take");
     let mut harness = window(studio(false, None));
     harness.state_mut().viewport.playing = false;
@@ -525,7 +526,7 @@ fn losing_the_gpu_leaves_a_picture_and_the_work() {
     settle(&mut harness);
     let device = harness.state().viewport.frame.as_ref().unwrap().device.clone();
     if device == plisse_studio::view::renderer::CPU_NAME {
-        eprintln!("no GPU and no driver that stands in for one");
+        eprintln!("no GPU and no software adapter");
         return;
     }
     let (with, before) =
@@ -537,7 +538,7 @@ fn losing_the_gpu_leaves_a_picture_and_the_work() {
     let message = harness.state().shell.messages.last().unwrap().text.clone();
     assert!(message.contains("drawn by the processor from now on"), "{message}");
     assert_eq!(numbers(harness.state()), before);
-    // The twin draws the same picture, but for rounding.
+    // The CPU reference draws the same picture, but for rounding.
     let off = with
         .image
         .pixels
@@ -652,8 +653,7 @@ fn the_surface_folds_under_the_brush_and_what_is_taken_back_comes_back_to_the_bi
 
 #[test]
 fn frames_of_a_hundred_thousand_vertices_are_measured() {
-    let (rows, strokes, device) =
-        plisse_studio::automation::measure::rows(false, &[View::Wrinkled], 1).unwrap();
+    let Report { rows, strokes, device } = measure(false, &[View::Wrinkled], 1).unwrap();
     for row in &rows {
         eprintln!(
             "{:<18} idle {:.2} ms, longest {:.1} ms, stages {:.1} ms, drawing {:.1} ms ({device})",

@@ -1,51 +1,50 @@
-//! Scripts that drive the program: for pictures in documents, and to see it run where nobody sits
-//! before it.
+//! Scripts that drive the program: for tests, and for pictures in the documentation.
 //!
 //! One command a line; `#` begins a comment. `open FILE`, `tab NAME`, `view NAME`, `time S`,
 //! `play`, `hold`, `orbit DEG DEG`, `zoom F`, `fit`, `brush NAME VALUE` (layer, radius, strength,
 //! value, heading, mirror, falloff, action), `stroke X Y X Y …` (shares of the picture), `undo`,
-//! `redo`, `solve`, `grow`, `fold on` (or `off`), `take KIND PATH`, `wait S`, `settle` (until
+//! `redo`, `solve`, `grow`, `fold on` (or `off`), `export KIND PATH`, `wait S`, `settle` (until
 //! nothing is on its way), `screenshot PATH`, `show NAME`, `spacing M`, `clip NAME`, `wavelength
 //! M`, `lose-gpu`, `save PATH`, `quit`.
 
 use plisse::{Error, Result};
 
-/// One step.
+/// One step of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
     /// Line in the script, from 1.
     pub line: usize,
     /// The command.
     pub word: String,
-    /// What follows it.
+    /// The words after the command.
     pub rest: Vec<String>,
 }
 
 impl Step {
-    /// Number `k` of what follows the command.
+    /// Word `k` after the command, as a number.
     ///
     /// # Errors
-    /// [`Error::Value`] naming the line if it is not there or no number.
+    /// [`Error::Value`] naming the line if it is missing or no number.
     pub fn number(&self, k: usize) -> Result<f32> {
         let found = self.rest.get(k).and_then(|w| w.parse::<f32>().ok()).filter(|x| x.is_finite());
         found.ok_or_else(|| {
             Error::value(
                 format!("script, line {}", self.line),
-                format!("{} needs a number there; give it", self.word),
+                format!("{} needs a number as word {}; add it", self.word, k + 1),
             )
         })
     }
 
-    /// Word `k` of what follows the command.
+    /// Word `k` after the command.
     ///
     /// # Errors
-    /// [`Error::Value`] naming the line if it is not there.
+    /// [`Error::Value`] naming the line if it is missing.
     pub fn text(&self, k: usize) -> Result<&str> {
         let found = self.rest.get(k).map(String::as_str);
         found.ok_or_else(|| {
             Error::value(
                 format!("script, line {}", self.line),
-                format!("{} needs a word there; give it", self.word),
+                format!("{} needs a word {}; add it", self.word, k + 1),
             )
         })
     }

@@ -1,9 +1,9 @@
-//! The brush: where a ray meets the surface ([`mod@pick`]), how far along the surface everything is
-//! from there ([`reach`]), what a dab does to the layers ([`painting`]), and how pointer positions
-//! become dabs ([`trail`]).
+//! The brush: the point where a ray meets the surface ([`mod@pick`]), distances along the surface
+//! from there ([`reach`]), the effect of dabs on the layers ([`painting`]), and the dabs of a
+//! moving pointer ([`trail`]).
 //!
-//! Everything works on unified vertices, so that texture seams neither stop a stroke nor show in
-//! it. Knows no window.
+//! Everything works on unified vertices, so that texture seams do not stop a stroke. Knows no
+//! window.
 
 pub mod painting;
 pub mod pick;

@@ -1,6 +1,6 @@
-//! What dabs do to a layer. One stroke goes no farther than its brush's strength, however often it
-//! passes over a vertex: each vertex keeps the largest weight any dab gave it, and the mean
-//! direction of all dabs, which has no sign.
+//! Painting of dabs on a layer. A stroke goes no farther than its brush's strength, however often
+//! it passes over a vertex: each vertex keeps the largest weight of all dabs, and their mean
+//! direction, which has no sign.
 
 use nalgebra::{Matrix3, Rotation3};
 use plisse::mesh::reach::Reach;
@@ -9,22 +9,24 @@ use plisse_live::unify::Unified;
 
 use super::pick::{Hit, nearest_among};
 use super::reach::VertexFaces;
+use crate::document::history::VertexChange;
 use crate::document::layers::LONGEST_BIAS;
+use crate::document::stroke::Dab;
 use crate::document::subject::bounds;
 use crate::document::{Action, Brush, Change, Heading, Layer, Layers, Mirror, Stroke};
 
-/// Farthest that a mirrored point may be from the surface, as a share of the model's size, for a
-/// dab to be there.
+/// Largest distance of a mirrored point from the surface at which it gets a dab, as a share of the
+/// model's size.
 const MIRROR_TOLERANCE: f32 = 0.02;
 
-/// What is painted on.
+/// The mesh and the pose that are painted on.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The mesh.
     pub unified: &'a Unified,
-    /// Its faces around vertices.
+    /// The faces around its vertices.
     pub vertex_faces: &'a VertexFaces,
-    /// `[U]` places in which it is seen (m).
+    /// `[U]` posed positions (m).
     pub posed: &'a [Vec3],
 }
 
@@ -51,7 +53,7 @@ impl Canvas<'_> {
     }
 }
 
-/// What a stroke has given one vertex so far.
+/// The effect of a stroke on one vertex so far.
 #[derive(Clone, Copy)]
 struct Touch {
     before: [f32; 4],
@@ -59,18 +61,18 @@ struct Touch {
     weight: f32,
     /// Σ w d⊗d over the dabs.
     directions: Matrix3<f32>,
-    /// Whether it changed since the layer was written last.
+    /// True if it changed since the layer was written last.
     is_new: bool,
 }
 
-/// A stroke on its way.
+/// A stroke that is being painted.
 pub struct Painting {
     brush: Brush,
-    dabs: Vec<(u32, [f32; 2])>,
-    /// `[U]` place in `touches`, or none.
+    dabs: Vec<Dab>,
+    /// `[U]` index into `touches`, or [`NONE`].
     slots: Vec<u32>,
     reach: Reach,
-    /// Lowest and highest corner of the rest pose (m), once it was needed.
+    /// Lowest and highest corner of the rest pose (m), once needed.
     rest_box: Option<[Vec3; 2]>,
     touches: Vec<(u32, Touch)>,
 }
@@ -96,10 +98,9 @@ impl Painting {
     }
 
     /// Puts a dab at `hit` of the posed mesh; [`Painting::write`] paints it. `course` (posed, any
-    /// length) is the way the stroke goes there, or the way crests shall run for
-    /// [`Heading::Screen`].
+    /// length) is the direction of the stroke there, or that of the crests for [`Heading::Screen`].
     pub fn dab(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: &Vec3) {
-        self.dabs.push((hit.face as u32, hit.weights));
+        self.dabs.push(Dab { face: hit.face as u32, weights: hit.weights });
         let course = canvas.to_rest(hit.face, course);
         self.spread(canvas, layers, hit, course);
         let axis = match self.brush.mirror {
@@ -135,7 +136,7 @@ impl Painting {
         let normal = canvas.rest_normal(hit.face);
         let flat = course - normal * normal.dot(&course);
         let unit = flat.try_normalize(1e-20).unwrap_or_else(Vec3::zeros);
-        // Wrinkles run in across their crests; a surface grows along the way it is told.
+        // A bias points across the crests; growth points along the heading.
         let across = (self.brush.layer == Layer::Wrinkles)
             == matches!(self.brush.heading, Heading::AlongStroke | Heading::Screen);
         let direction = if across { normal.cross(&unit) } else { unit };
@@ -169,7 +170,7 @@ impl Painting {
         }
     }
 
-    /// Writes what the dabs since the last call have done to the layer.
+    /// Writes the dabs since the last call to the layer.
     pub fn write(&mut self, canvas: &Canvas<'_>, layers: &mut Layers) {
         let values = layers.of_mut(self.brush.layer);
         for (v, touch) in self.touches.iter_mut().filter(|(_, touch)| touch.is_new) {
@@ -179,14 +180,17 @@ impl Painting {
         }
     }
 
-    /// Ends the stroke, which is written: what it changed, for the history.
+    /// Ends the stroke, after it was written; its change, for the history.
     pub fn end(self, layers: &Layers) -> Change {
         let values = layers.of(self.brush.layer);
         let bits = |x: &[f32; 4]| x.map(f32::to_bits);
-        let changed = self.touches.iter().map(|(v, touch)| (*v, touch.before, values[*v as usize]));
-        let mut vertices: Vec<_> =
-            changed.filter(|(_, before, after)| bits(before) != bits(after)).collect();
-        vertices.sort_unstable_by_key(|c| c.0);
+        let changed = self.touches.iter().map(|(v, touch)| VertexChange {
+            vertex: *v,
+            before: touch.before,
+            after: values[*v as usize],
+        });
+        let mut vertices: Vec<_> = changed.filter(|c| bits(&c.before) != bits(&c.after)).collect();
+        vertices.sort_unstable_by_key(|c| c.vertex);
         Change {
             layer: self.brush.layer,
             stroke: Stroke { brush: self.brush, dabs: self.dabs },
@@ -195,7 +199,7 @@ impl Painting {
     }
 }
 
-/// What a vertex with this unit normal has after `touch`.
+/// The numbers of a vertex with this unit normal after `touch`.
 fn painted(brush: &Brush, touch: &Touch, normal: &Vec3) -> [f32; 4] {
     let share = (touch.weight * brush.strength).clamp(0.0, 1.0);
     let before = touch.before;
@@ -227,7 +231,7 @@ fn painted(brush: &Brush, touch: &Touch, normal: &Vec3) -> [f32; 4] {
                     } else {
                         most.max(0.0)
                     };
-                    // Which of the two ways it points does not matter to anybody but the eye.
+                    // Its sign has no meaning; the old one is kept for the eye.
                     let d = if d.dot(&old) < 0.0 { -d } else { d };
                     d * length
                 });

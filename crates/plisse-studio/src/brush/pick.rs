@@ -1,4 +1,4 @@
-//! Where a ray meets a mesh, and which point of a mesh is nearest.
+//! The point where a ray meets a mesh, and the nearest point of a mesh.
 
 use plisse_live::camera::Camera;
 use plisse_live::{Vec2, Vec3};
@@ -6,15 +6,15 @@ use plisse_live::{Vec2, Vec3};
 /// A half line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it begins (m).
+    /// Its origin (m).
     pub origin: Vec3,
     /// Unit direction.
     pub direction: Vec3,
 }
 
 impl Ray {
-    /// Through the point `at` of a picture, from (0, 0) at its upper left to (1, 1) at its lower
-    /// right; `None` for a camera that sees nothing.
+    /// The ray through the point `at` of a picture, from (0, 0) at its upper left to (1, 1) at its
+    /// lower right; `None` for a camera that sees nothing.
     pub fn through(camera: &Camera, at: Vec2) -> Option<Self> {
         let world_from_clip = camera.clip_from_world().try_inverse()?;
         let place = |depth: f32| {
@@ -35,9 +35,9 @@ pub struct Hit {
     pub face: usize,
     /// Barycentric coordinates of the face's second and third corner.
     pub weights: [f32; 2],
-    /// Its place (m).
+    /// Its position (m).
     pub position: Vec3,
-    /// Distance from where it was looked for (m).
+    /// Distance from the ray's origin, or from the place that it is nearest to (m).
     pub distance_m: f32,
 }
 

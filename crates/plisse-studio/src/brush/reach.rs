@@ -38,8 +38,8 @@ impl VertexFaces {
         &self.list[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
     }
 
-    /// Vertices closer to `from` than `radius_m` along the surface in this pose, with their distances
-    /// (m), the nearest first. `room` is reused from search to search.
+    /// Vertices closer to `from` than `radius_m` along the surface in this pose, with their
+    /// distances (m), the nearest first. `room` is reused from search to search.
     pub fn reach(
         &self,
         positions: &[Vec3],

@@ -1,6 +1,6 @@
-//! From pointer positions to dabs: points are filled in between, so that a quick stroke is as whole
-//! as a slow one. Dabs wait to be painted until there is time for them, so that wide brushes on
-//! large meshes do not hold up the window.
+//! From pointer positions to dabs. Points are filled in between positions, so that a quick stroke
+//! has no gaps. Dabs wait until a frame has time for them, so that wide brushes on large meshes do
+//! not hold up the window.
 
 use std::collections::VecDeque;
 
@@ -21,13 +21,13 @@ pub struct Trail {
     painting: Painting,
     /// The last pointer position (0 to 1 across and down the picture).
     pointer: Vec2,
-    /// The last point of the surface, and whether it still waits for a direction.
+    /// The last point of the surface; `true` if it still waits for a direction.
     last: Option<(Hit, bool)>,
-    /// The way the stroke went last (posed, m).
+    /// The last step of the stroke (posed, m).
     course: Option<Vec3>,
-    /// Way since the last dab (m).
+    /// Length of the stroke since the last dab (m).
     since_m: f32,
-    /// Dabs that are not painted yet, and the way the stroke went there.
+    /// Dabs that are not painted yet, with the direction of the stroke.
     waiting: VecDeque<(Hit, Vec3)>,
 }
 
@@ -46,19 +46,19 @@ impl Trail {
         }
     }
 
-    /// Goes on to `pointer`; [`Trail::paint`] paints what is on the way.
+    /// Continues to `pointer`; [`Trail::paint`] paints the dabs on the way.
     pub fn go(&mut self, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) {
         let from = self.pointer;
         self.pointer = pointer;
         let target = hit(canvas, camera, pointer);
         let spacing_m = SPACING * self.painting.brush().radius_m;
-        // Off the surface, steps are as long as on the screen they would have to be.
+        // Off the surface the length is unknown: the step is divided as finely as possible.
         let way_m = match (&self.last, &target) {
             (Some((a, _)), Some(b)) => (b.position - a.position).norm(),
             _ => MOST as f32 * spacing_m,
         };
         let parts = ((way_m / spacing_m).ceil() as usize).clamp(1, MOST);
-        // Large meshes are looked through once, not for every part.
+        // A large mesh is searched once, not for every part.
         let rays = [from, pointer].map(|p| Ray::through(camera, p));
         let some = match (rays, parts) {
             ([Some(a), Some(b)], 2..) => between(canvas.posed, &canvas.unified.faces, &a, &b),
@@ -77,12 +77,12 @@ impl Trail {
         }
     }
 
-    /// Whether dabs wait to be painted.
+    /// True if dabs wait to be painted.
     pub fn is_behind(&self) -> bool {
         !self.waiting.is_empty()
     }
 
-    /// Paints dabs that wait, the first of them and then as long as there is `more` time.
+    /// Paints waiting dabs: the first, and others while there is `more` time.
     pub fn paint(
         &mut self,
         canvas: &Canvas<'_>,
@@ -100,7 +100,7 @@ impl Trail {
 
     fn reach(&mut self, camera: &Camera, hit: Option<Hit>, spacing_m: f32) {
         let Some(hit) = hit else {
-            // The stroke left the surface; where it comes back, it begins anew.
+            // The stroke left the surface; it begins anew when it comes back.
             self.flush(camera);
             self.last = None;
             return;
@@ -126,8 +126,7 @@ impl Trail {
         self.last = Some((hit, false));
     }
 
-    /// A point that still waits for a direction is painted with the last one, or the screen's
-    /// right.
+    /// Paints a point that still waits for a direction, with the last one or the screen's right.
     fn flush(&mut self, camera: &Camera) {
         if let Some((hit, true)) = self.last {
             self.dab(camera, &hit);
@@ -146,7 +145,7 @@ impl Trail {
         self.waiting.push_back((*hit, course));
     }
 
-    /// Ends the stroke, with all dabs that wait.
+    /// Ends the stroke and paints all waiting dabs.
     pub fn end(mut self, canvas: &Canvas<'_>, layers: &mut Layers, camera: &Camera) -> Change {
         self.flush(camera);
         self.paint(canvas, layers, &mut || true);
@@ -154,7 +153,7 @@ impl Trail {
     }
 }
 
-/// Where the surface is under `pointer`.
+/// The point of the surface under `pointer`.
 pub fn hit(canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Option<Hit> {
     pick(canvas.posed, &canvas.unified.faces, &Ray::through(camera, pointer)?)
 }

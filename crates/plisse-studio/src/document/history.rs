@@ -1,5 +1,4 @@
-//! Undo and redo without limit: each entry holds the exact bits of what it changed, before and
-//! after.
+//! Undo and redo without limit: each change holds the exact bits before and after it.
 
 use super::layers::{Layer, Layers};
 use super::stroke::Stroke;
@@ -7,19 +6,30 @@ use super::stroke::Stroke;
 /// One change of one layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
-    /// What changed.
+    /// The layer that changed.
     pub layer: Layer,
-    /// How it came about, for people and for files.
+    /// The stroke that changed it, for people and for files.
     pub stroke: Stroke,
-    /// Unified vertices that changed, ascending, with their numbers before and after.
-    pub vertices: Vec<(u32, [f32; 4], [f32; 4])>,
+    /// The vertices that changed, ascending.
+    pub vertices: Vec<VertexChange>,
+}
+
+/// The change of one vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VertexChange {
+    /// The unified vertex.
+    pub vertex: u32,
+    /// Its numbers before.
+    pub before: [f32; 4],
+    /// Its numbers after.
+    pub after: [f32; 4],
 }
 
 impl Change {
     fn write(&self, layers: &mut Layers, after: bool) {
         let values = layers.of_mut(self.layer);
-        for (v, old, new) in &self.vertices {
-            values[*v as usize] = if after { *new } else { *old };
+        for change in &self.vertices {
+            values[change.vertex as usize] = if after { change.after } else { change.before };
         }
     }
 }
@@ -28,20 +38,20 @@ impl Change {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     changes: Vec<Change>,
-    /// How many of them are done; the others can be done again.
+    /// Number of changes that are done; the others can be redone.
     done: usize,
 }
 
 impl History {
-    /// Takes a change that is already in the layers; what had been undone is forgotten.
+    /// Adds a change that is already in the layers; undone changes are forgotten.
     pub fn push(&mut self, change: Change) {
         self.changes.truncate(self.done);
         self.changes.push(change);
         self.done += 1;
     }
 
-    /// Takes the last change back, to the bit; the layer that changed, or `None` if there is
-    /// nothing to undo.
+    /// Undoes the last change, to the bit; the layer that changed, or `None` if there is nothing to
+    /// undo.
     pub fn undo(&mut self, layers: &mut Layers) -> Option<Layer> {
         let change = self.changes.get(self.done.checked_sub(1)?)?;
         change.write(layers, false);
@@ -49,7 +59,7 @@ impl History {
         Some(change.layer)
     }
 
-    /// Does the last change that was taken back again.
+    /// Redoes the last change that was undone; as [`History::undo`].
     pub fn redo(&mut self, layers: &mut Layers) -> Option<Layer> {
         let change = self.changes.get(self.done)?;
         change.write(layers, true);
@@ -57,12 +67,12 @@ impl History {
         Some(change.layer)
     }
 
-    /// Changes that are done, the oldest first.
+    /// The changes that are done, the oldest first.
     pub fn done(&self) -> &[Change] {
         &self.changes[..self.done]
     }
 
-    /// How many changes can be done again.
+    /// Number of changes that can be redone.
     pub fn undone(&self) -> usize {
         self.changes.len() - self.done
     }

@@ -1,37 +1,37 @@
-//! What is painted: five layers of numbers for each unified vertex.
+//! The painted layers: five sets of numbers for each unified vertex.
 
 use plisse_live::Vec3;
 use plisse_live::wavelength::LEAST_SHARE;
 
-/// Longest bias that is painted: at 1 the surface would have no length left along it.
+/// Largest length of a painted bias (no unit); at 1 the surface would have no length along it.
 pub const LONGEST_BIAS: f32 = 0.95;
 
-/// One layer. What its numbers are for a vertex stands beside its name.
+/// A layer, with the meaning of its four numbers for a vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layer {
     /// Wrinkles of the rest pose: the bias p of section 7 of [Loviscach 2006], a tangential vector
     /// (x, y, z, no unit) of the rest pose, shorter than 1; the surface counts as shortened by |p|²
-    /// along it. The fourth is 0.
+    /// along it. The fourth number is 0.
     Wrinkles,
-    /// Share (0.05 to 1) of the model's wavelength. Others are 0.
+    /// Share (0.05 to 1) of the model's wavelength. The others are 0.
     Wavelength,
-    /// Expansion: a tangential vector of the rest pose whose length is by how much the surface
-    /// grows along it (factor − 1), and, as the fourth, by how much it grows all ways (factor − 1).
+    /// Expansion: a tangential vector of the rest pose whose length is the growth along it (factor
+    /// − 1); the fourth number is the growth in all directions (factor − 1).
     Expansion,
-    /// Coherence length Λ (m): how far crests run straight. Others are 0.
+    /// Coherence length Λ (m), over which crests run straight. The others are 0.
     Coherence,
-    /// Share (0 to 1) to which the vertex is frozen: from one half on it does not move. Others are
+    /// Share (0 to 1) to which the vertex is frozen: from 0.5 on it does not move. The others are
     /// 0.
     Freeze,
 }
 
 impl Layer {
-    /// All, in the order in which they are kept.
+    /// All layers, in the order in which they are kept.
     pub const ALL: [Self; 5] =
         [Self::Wrinkles, Self::Wavelength, Self::Expansion, Self::Coherence, Self::Freeze];
 
-    /// Its name for people.
+    /// Name in the window.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wrinkles => "Rest-pose wrinkles",
@@ -42,12 +42,12 @@ impl Layer {
         }
     }
 
-    /// The numbers of a vertex that nobody painted.
+    /// The numbers of an unpainted vertex.
     pub fn neutral(self) -> [f32; 4] {
         if self == Self::Wavelength { [1.0, 0.0, 0.0, 0.0] } else { [0.0; 4] }
     }
 
-    /// Whether it has a direction.
+    /// True if it has a direction.
     pub fn is_directed(self) -> bool {
         matches!(self, Self::Wrinkles | Self::Expansion)
     }
@@ -76,7 +76,7 @@ pub struct Range {
     pub unit: &'static str,
 }
 
-/// All layers of one model with `U` unified vertices.
+/// The layers of a model with `U` unified vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
     /// `[layer][U]` numbers, layers in the order of [`Layer::ALL`].
@@ -84,7 +84,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Nothing painted on `count` unified vertices.
+    /// Unpainted layers of `count` unified vertices.
     pub fn neutral(count: usize) -> Self {
         Self { values: Layer::ALL.map(|layer| vec![layer.neutral(); count]) }
     }
@@ -94,17 +94,17 @@ impl Layers {
         &self.values[layer as usize]
     }
 
-    /// `[U]` numbers of `layer`, to be changed.
+    /// `[U]` numbers of `layer`, mutable.
     pub(crate) fn of_mut(&mut self, layer: Layer) -> &mut [[f32; 4]] {
         &mut self.values[layer as usize]
     }
 
-    /// Whether anything of `layer` was painted.
+    /// True if any vertex of `layer` is painted.
     pub fn is_painted(&self, layer: Layer) -> bool {
         self.of(layer).iter().any(|v| *v != layer.neutral())
     }
 
-    /// `[U]` bias as the stages take it, or empty where nothing is painted.
+    /// `[U]` bias for the stages; empty if nothing is painted.
     pub fn bias(&self) -> Vec<Vec3> {
         if !self.is_painted(Layer::Wrinkles) {
             return Vec::new();
@@ -112,8 +112,8 @@ impl Layers {
         self.of(Layer::Wrinkles).iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect()
     }
 
-    /// Wavelengths as the stages take them: one for all where nothing is painted, else `[U]` (m,
-    /// rest). `shares` (`[U]`, or empty) are those that the model brings itself.
+    /// Wavelengths (m, rest) for the stages: one for all if nothing is painted, else `[U]`. `own_m`
+    /// (`[U]`, or fewer than two) are the model's own.
     pub fn wavelength_m(&self, wavelength_m: f32, own_m: &[f32]) -> Vec<f32> {
         let painted = self.is_painted(Layer::Wavelength);
         if !painted && own_m.len() <= 1 {
@@ -128,7 +128,7 @@ impl Layers {
     }
 }
 
-/// What is painted on `numbers` of `layer` as one number: a length, a share, or an amount.
+/// The numbers of a vertex as one: a length, a share, or an amount.
 pub fn amount(layer: Layer, numbers: &[f32; 4]) -> f32 {
     match layer {
         Layer::Wrinkles => Vec3::new(numbers[0], numbers[1], numbers[2]).norm(),

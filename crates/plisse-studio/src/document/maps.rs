@@ -1,9 +1,9 @@
 //! Painted layers as images in the model's texture space.
 //!
-//! A layer with one number becomes grey, 16 bits: its least value black, its most white
-//! ([`Layer::range`]). Wrinkles and expansion become red, green, blue: the direction (½ + ½·x for
-//! each component of the rest pose) and alpha: the amount. Texels beside islands take the nearest
-//! island's numbers.
+//! A layer with one number becomes 16-bit grey, from its least value (black) to its largest (white)
+//! ([`Layer::range`]). Wrinkles and expansion have a direction: red, green and blue are ½ + ½·x for
+//! each of its components in the rest pose, and alpha is the amount. Texels beside islands take the
+//! numbers of the nearest island.
 
 use std::io::{self, Write};
 
@@ -12,7 +12,7 @@ use plisse::{Error, Result};
 use super::layers::{Layer, Range, amount};
 use super::{Document, Subject};
 
-/// How far beyond islands numbers are carried (texels).
+/// Width of the rim around islands that takes their numbers (texels).
 const PADDING: usize = 4;
 
 /// A map in texture space, rows from the top.
@@ -20,7 +20,7 @@ const PADDING: usize = 4;
 pub struct PaintMap {
     /// Width and height (texels).
     pub size: usize,
-    /// `[size][size]` numbers of the layer, interpolated; `None` where no face lies.
+    /// `[size][size]` interpolated numbers of the layer; `None` outside all faces.
     pub texels: Vec<Option<[f32; 4]>>,
 }
 
@@ -93,7 +93,7 @@ fn padded(texels: &[Option<[f32; 4]>], size: usize) -> Vec<Option<[f32; 4]>> {
 /// Writes `map` of `layer` as PNG: 16-bit grey, or 16-bit RGBA for layers with a direction.
 ///
 /// # Errors
-/// What `out` says.
+/// Those of `out`.
 pub fn write_png<W: Write + ?Sized>(out: &mut W, layer: Layer, map: &PaintMap) -> io::Result<()> {
     let Range { low, high, .. } = layer.range();
     let share = |x: f32| (((x - low) / (high - low)).clamp(0.0, 1.0) * 65535.0 + 0.5) as u16;

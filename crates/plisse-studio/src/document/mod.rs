@@ -1,8 +1,6 @@
-//! What is worked on: the model, what is painted on it, how its wrinkles are made, and everything
-//! that was done to it.
+//! The document: a model, the layers painted on it, the settings of its wrinkles, and the history.
 //!
-//! Knows no window, no GPU and no file system: files come and go as bytes, so that all of it also
-//! runs in a web page.
+//! Knows no window, no GPU and no file system, so that all of it also runs in a web page.
 
 pub mod history;
 pub mod layers;
@@ -28,18 +26,18 @@ pub use subject::{SceneText, Source, Subject};
 pub struct Document {
     /// The model.
     pub subject: Arc<Subject>,
-    /// What is painted on it.
+    /// The painted layers.
     pub layers: Layers,
-    /// What was done.
+    /// The strokes, done and undone.
     pub history: History,
-    /// How its wrinkles are made.
+    /// The settings of its wrinkles.
     pub settings: Settings,
-    /// Counts up with everything that files would have to take in.
+    /// Number of changes that a file would have to hold.
     pub revision: u64,
 }
 
 impl Document {
-    /// A document about `subject` on which nothing is painted.
+    /// An unpainted document about `subject`.
     pub fn new(subject: Subject) -> Self {
         let layers = Layers::neutral(subject.unified.count());
         let settings = Settings::for_subject(&subject);
@@ -52,8 +50,7 @@ impl Document {
         }
     }
 
-    /// Takes a change that is in the layers already into the history; one that changed nothing is
-    /// left out.
+    /// Adds a change that is already in the layers to the history, unless it changed no vertex.
     pub fn push(&mut self, change: Change) {
         if !change.vertices.is_empty() {
             self.history.push(change);
@@ -61,14 +58,14 @@ impl Document {
         }
     }
 
-    /// Takes the last stroke back; whether there was one.
+    /// Undoes the last stroke; true if there was one.
     pub fn undo(&mut self) -> bool {
         let found = self.history.undo(&mut self.layers).is_some();
         self.revision += u64::from(found);
         found
     }
 
-    /// Does the last stroke that was taken back again; whether there was one.
+    /// Redoes the last stroke that was undone; true if there was one.
     pub fn redo(&mut self) -> bool {
         let found = self.history.redo(&mut self.layers).is_some();
         self.revision += u64::from(found);

@@ -1,8 +1,8 @@
 //! The file `NAME.plisse.json`: a document beside its model.
 //!
-//! JSON with the fields of [`Saved`]. The model itself stays in its own file and is named relative
-//! to this one; layers are lists of `[vertex, a, b, c, d]` for the unified vertices that were
-//! painted (numbers of each layer: see [`Layer`]). `docs/studio.md` describes it for people.
+//! JSON with the fields of [`Saved`]. The model stays in its own file, named relative to this one.
+//! Layers are lists of `[vertex, a, b, c, d]` for the painted unified vertices (the numbers of
+//! [`Layer`]). `docs/studio.md` describes the format.
 
 use plisse::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -12,10 +12,10 @@ use super::settings::Settings;
 use super::stroke::Stroke;
 use super::{Document, Source};
 
-/// The number in the field `plisse_studio`; files with a larger one are of a later program.
+/// Number of the format; files with a larger one need a later version of the program.
 pub const FORMAT: u32 = 1;
 
-/// What the file says.
+/// The content of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saved {
@@ -23,45 +23,65 @@ pub struct Saved {
     pub plisse_studio: u32,
     /// The model.
     pub model: SavedModel,
-    /// How wrinkles are made.
+    /// The settings of wrinkles and folds.
     pub settings: Settings,
-    /// What is painted.
+    /// The painted layers.
     pub layers: Vec<SavedLayer>,
-    /// How it was painted, the oldest stroke first; for people and other programs, layers are what
-    /// counts.
+    /// The strokes, the oldest first; for information only: the layers count.
     #[serde(default)]
     pub strokes: Vec<Stroke>,
-    /// The scene's text, where it was changed.
+    /// The scene's text, with the edits.
     #[serde(default)]
     pub scene: Option<String>,
 }
 
-/// Which model the document is about.
+/// The model of a document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedModel {
-    /// A model of the program's own, or none.
+    /// Name of a built-in model.
     pub own: Option<String>,
-    /// A file, relative to this one where that can be, or none.
+    /// Path of a file, relative to this one if possible.
     pub file: Option<String>,
-    /// Unified vertices that it had.
+    /// Number of its unified vertices.
     pub vertices: usize,
-    /// Faces that it had.
+    /// Number of its faces.
     pub faces: usize,
 }
 
-/// One layer.
+/// A painted layer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SavedLayer {
-    /// Which.
+    /// The layer.
     pub layer: Layer,
-    /// `[vertex, a, b, c, d]` of each vertex that was painted, ascending.
-    pub vertices: Vec<(u32, f32, f32, f32, f32)>,
+    /// The painted vertices, ascending.
+    pub vertices: Vec<PaintedVertex>,
 }
 
-/// The text of the file for `document`. `name_of` writes the path of a model file as it shall stand
-/// there.
+/// A painted vertex; `[vertex, a, b, c, d]` in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(u32, f32, f32, f32, f32)", into = "(u32, f32, f32, f32, f32)")]
+pub struct PaintedVertex {
+    /// The unified vertex.
+    pub vertex: u32,
+    /// Its numbers.
+    pub numbers: [f32; 4],
+}
+
+impl From<(u32, f32, f32, f32, f32)> for PaintedVertex {
+    fn from((vertex, a, b, c, d): (u32, f32, f32, f32, f32)) -> Self {
+        Self { vertex, numbers: [a, b, c, d] }
+    }
+}
+
+impl From<PaintedVertex> for (u32, f32, f32, f32, f32) {
+    fn from(PaintedVertex { vertex, numbers: [a, b, c, d] }: PaintedVertex) -> Self {
+        (vertex, a, b, c, d)
+    }
+}
+
+/// The text of the file for `document`. `name_of` gives the path of the model's file in it.
 pub fn write(document: &Document, name_of: impl Fn(&std::path::Path) -> String) -> String {
     let subject = &document.subject;
     let (own, file) = match &subject.source {
@@ -77,7 +97,9 @@ pub fn write(document: &Document, name_of: impl Fn(&std::path::Path) -> String) 
             .filter(move |(_, x)| **x != layer.neutral());
         SavedLayer {
             layer,
-            vertices: painted.map(|(v, x)| (v as u32, x[0], x[1], x[2], x[3])).collect(),
+            vertices: painted
+                .map(|(v, &numbers)| PaintedVertex { vertex: v as u32, numbers })
+                .collect(),
         }
     };
     let saved = Saved {
@@ -93,40 +115,37 @@ pub fn write(document: &Document, name_of: impl Fn(&std::path::Path) -> String) 
         strokes: document.history.done().iter().map(|c| c.stroke.clone()).collect(),
         scene: subject.scene.as_ref().map(|s| s.text.clone()),
     };
-    // Only maps with keys that are no strings, and numbers that are none, could fail here.
+    // Only maps whose keys are no strings could fail here.
     serde_json::to_string(&saved).unwrap_or_default() + "\n"
 }
 
-/// What the file `place` with this `text` says.
+/// The content of the file `place` with this `text`.
 ///
 /// # Errors
-/// [`Error::Value`] at `place` for what is no such file, or one of a later program.
+/// [`Error::Value`] at `place` for a text of another kind, or a later format.
 pub fn read(place: &str, text: &str) -> Result<Saved> {
     let version: serde_json::Value = serde_json::from_str(text).map_err(|e| {
-        Error::value(place, format!("this is no JSON ({e}); take an earlier copy of the file"))
+        Error::value(place, format!("it is no JSON ({e}); take an earlier copy of the file"))
     })?;
     match version["plisse_studio"].as_u64() {
         None => {
             return Err(Error::value(
                 place,
-                "there is no number plisse_studio; open a file that Plissé Studio saved",
+                "it has no number plisse_studio; open a file that Plissé Studio saved",
             ));
         }
         Some(n) if n > u64::from(FORMAT) => {
             return Err(Error::value(
                 place,
                 format!(
-                    "its format is {n}, this program knows {FORMAT}; open it with a later version"
+                    "its format is {n}, not {FORMAT} or earlier; open it with a later version"
                 ),
             ));
         }
         Some(_) => {}
     }
     serde_json::from_str(text).map_err(|e| {
-        Error::value(
-            place,
-            format!("a field is not as it should be ({e}); correct it or take an earlier copy"),
-        )
+        Error::value(place, format!("a field is invalid ({e}); correct it or take an earlier copy"))
     })
 }
 
@@ -134,7 +153,7 @@ impl Saved {
     /// The layers for a model of `count` unified vertices and `faces` faces.
     ///
     /// # Errors
-    /// [`Error::Value`] at `place` if the model has changed since, or a number is unusable.
+    /// [`Error::Value`] at `place` if the model has changed, or a number is invalid.
     pub fn layers(&self, place: &str, count: usize, faces: usize) -> Result<Layers> {
         if (self.model.vertices, self.model.faces) != (count, faces) {
             let had = format!(
@@ -152,8 +171,8 @@ impl Saved {
         for saved in &self.layers {
             let name = saved.layer.name();
             let values = layers.of_mut(saved.layer);
-            for &(v, a, b, c, d) in &saved.vertices {
-                let numbers = [a, b, c, d];
+            for &PaintedVertex { vertex: v, numbers } in &saved.vertices {
+                let [a, b, c, _] = numbers;
                 let Some(value) = values.get_mut(v as usize) else {
                     return Err(Error::value(
                         place,
@@ -165,7 +184,7 @@ impl Saved {
                 {
                     return Err(Error::value(
                         place,
-                        format!("layer {name} has unusable numbers at vertex {v}; correct them"),
+                        format!("layer {name} has invalid numbers at vertex {v}; correct them"),
                     ));
                 }
                 *value = numbers;

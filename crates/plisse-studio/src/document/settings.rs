@@ -1,4 +1,4 @@
-//! How wrinkles are made and shown, as far as it belongs to the document.
+//! The document's settings of wrinkles and folds.
 
 use plisse_live::profile::Profile;
 use plisse_live::relax;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::subject::Subject;
 
-/// Profiles by name.
+/// A profile of wrinkles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProfileChoice {
@@ -21,7 +21,7 @@ pub enum ProfileChoice {
 }
 
 impl ProfileChoice {
-    /// The profile; the cosine for heights that make none.
+    /// The profile; the cosine for unusable heights.
     pub fn profile(&self) -> Profile {
         match self {
             Self::Sine => Profile::sine(),
@@ -31,7 +31,7 @@ impl ProfileChoice {
         }
     }
 
-    /// Its name for people.
+    /// Name in the window.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Sine => "Sine",
@@ -42,29 +42,30 @@ impl ProfileChoice {
     }
 }
 
-/// What the Live panel sets.
+/// The settings of the Live and Grow tabs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
-    /// Width of one wrinkle in the rest pose (m).
+    /// Wavelength in the rest pose (m).
     pub wavelength_m: f32,
     /// The wrinkles' profile.
     pub profile: ProfileChoice,
-    /// Rounds of relaxation a frame.
+    /// Rounds of phase relaxation per frame.
     pub rounds: usize,
-    /// Step of each round, a share of the whole way, 0 to ½; the paper's ε is 2π² times it.
+    /// Step of each round, as a share (0 to ½) of the way to the neighbours' phases; ε of eq. 6 of
+    /// [Loviscach 2006] is 2π² times it.
     pub rate: f32,
-    /// Whether the texture shifts with the wrinkles (6.2).
+    /// True if the texture shifts with the wrinkles (section 6.2 of [Loviscach 2006]).
     pub parallax: bool,
-    /// Name of the clip that plays; none: the model stands in its rest pose.
+    /// Name of the clip; `None`: the rest pose.
     pub clip: Option<String>,
     /// Time in the clip (s).
     pub time_s: f32,
-    /// Speed of playing, 1 as it was made.
+    /// Playing speed; 1 is the clip's own.
     pub speed: f32,
-    /// Spacing λ of folds that grow (m).
+    /// Spacing λ of grown folds (m).
     pub fold_spacing_m: f64,
-    /// Coherence length Λ of folds that grow where none is painted (m).
+    /// Coherence length Λ of grown folds where none is painted (m).
     pub coherence_m: f64,
 }
 
@@ -86,8 +87,8 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// What suits `subject`: a wavelength of its size, its first clip, at a time at which its own
-    /// models wrinkle.
+    /// Suitable settings for `subject`: a wavelength for its size, and its first clip; built-in
+    /// models at a time at which they wrinkle.
     pub fn for_subject(subject: &Subject) -> Self {
         let (wavelength_m, time_s) = match subject.model.name.as_str() {
             "square" => (0.08, 2.2),
@@ -102,7 +103,7 @@ impl Settings {
         Self { wavelength_m, clip, time_s, fold_spacing_m, ..Self::default() }
     }
 
-    /// Keeps every number where the stages can use it: what a file or a field brings in.
+    /// Limits every number, as it may come from a file, to the range of the stages.
     pub fn clamp(&mut self) {
         let sane = |x: f32, low: f32, high: f32, other: f32| {
             if x.is_finite() { x.clamp(low, high) } else { other }
@@ -121,13 +122,12 @@ impl Settings {
             if self.coherence_m.is_finite() { self.coherence_m.clamp(0.0, 1e4) } else { 0.0 };
     }
 
-    /// The paper's ε of the step that is set.
+    /// The step ε in eq. 6 of [Loviscach 2006].
     pub fn epsilon(&self) -> f32 {
         2.0 * std::f32::consts::PI.powi(2) * self.rate
     }
 
-    /// Strength below which wrinkles count as invisible, for those who read out what the stages
-    /// hold.
+    /// Strength below which wrinkles count as invisible.
     pub fn visible() -> f32 {
         relax::VISIBLE
     }
@@ -146,7 +146,7 @@ fn mean_edge_m(subject: &Subject) -> f32 {
     (sum / count.max(1) as f64) as f32
 }
 
-/// `x` with two digits, so that fields read well.
+/// `x`, rounded to two digits.
 fn two_digits(x: f32) -> f32 {
     if !(x > 0.0 && x.is_finite()) {
         return 0.05;

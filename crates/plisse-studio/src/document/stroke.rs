@@ -1,20 +1,20 @@
-//! A stroke as data: with what brush it was painted, and where it ran.
+//! A stroke as data: its brush and its dabs.
 
 use serde::{Deserialize, Serialize};
 
 use super::layers::Layer;
 
-/// What a brush does where it touches.
+/// The action of a brush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Action {
-    /// Goes towards the brush's value.
+    /// Moves numbers towards the brush's value.
     Paint,
-    /// Goes towards what nobody painted.
+    /// Moves numbers towards those of an unpainted vertex.
     Erase,
 }
 
-/// Where the direction of a layer that has one comes from.
+/// The source of the direction, for layers that have one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Heading {
@@ -24,7 +24,7 @@ pub enum Heading {
     AcrossStroke,
     /// Crests run at an angle on the screen.
     Screen,
-    /// None: all ways alike (expansion only).
+    /// In all directions alike (expansion only).
     Isotropic,
 }
 
@@ -32,7 +32,7 @@ pub enum Heading {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Mirror {
-    /// None.
+    /// No mirror.
     Off,
     /// x ↦ −x.
     X,
@@ -42,7 +42,7 @@ pub enum Mirror {
     Z,
 }
 
-/// How strength falls off from the middle of a dab.
+/// The falloff of strength from the middle of a dab, over s = distance / radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Falloff {
@@ -50,12 +50,12 @@ pub enum Falloff {
     Smooth,
     /// 1 − s.
     Linear,
-    /// Full strength up to the rim.
+    /// 1 up to the rim.
     Hard,
 }
 
 impl Falloff {
-    /// Weight at the share `s` of the radius; 0 from 1 on, and above 0 below.
+    /// Weight at the share `s` of the radius; 0 from 1 on.
     pub fn weight(self, s: f32) -> f32 {
         if !(0.0..1.0).contains(&s) {
             return 0.0;
@@ -71,23 +71,23 @@ impl Falloff {
 /// A brush.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Brush {
-    /// What it paints on.
+    /// The layer that it paints on.
     pub layer: Layer,
-    /// What it does.
+    /// Its action.
     pub action: Action,
     /// Radius along the surface (m).
     pub radius_m: f32,
-    /// Share of the way to the value that one stroke goes at its middle, 0 to 1.
+    /// Share (0 to 1) of the way to the value that one stroke goes at its middle.
     pub strength: f32,
-    /// The value it paints, in the layer's own unit.
+    /// The value it paints, in the layer's unit.
     pub value: f32,
-    /// How strength falls off.
+    /// Its falloff.
     pub falloff: Falloff,
     /// Direction of layers that have one.
     pub heading: Heading,
     /// Angle of crests on the screen (rad), from its right upwards, for [`Heading::Screen`].
     pub screen_angle_rad: f32,
-    /// Where strokes are repeated.
+    /// The plane in which strokes are mirrored.
     pub mirror: Mirror,
 }
 
@@ -111,8 +111,30 @@ impl Brush {
 /// A stroke that was painted.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stroke {
-    /// With what.
+    /// The brush.
     pub brush: Brush,
-    /// Where its dabs lie: a face and the barycentric coordinates of its second and third corner.
-    pub dabs: Vec<(u32, [f32; 2])>,
+    /// Its dabs.
+    pub dabs: Vec<Dab>,
+}
+
+/// The position of a dab; `[face, [s, t]]` in files.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(u32, [f32; 2])", into = "(u32, [f32; 2])")]
+pub struct Dab {
+    /// The face.
+    pub face: u32,
+    /// Barycentric coordinates of the face's second and third corner.
+    pub weights: [f32; 2],
+}
+
+impl From<(u32, [f32; 2])> for Dab {
+    fn from((face, weights): (u32, [f32; 2])) -> Self {
+        Self { face, weights }
+    }
+}
+
+impl From<Dab> for (u32, [f32; 2]) {
+    fn from(Dab { face, weights }: Dab) -> Self {
+        (face, weights)
+    }
 }

@@ -1,5 +1,5 @@
-//! What a document is about: a model with its unified vertices, made here or read from a file,
-//! perhaps of a scene.
+//! The subject of a document: a model with its unified vertices, built in or read from a file,
+//! perhaps the start of a scene.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use plisse_live::model::{Model, Vertices};
 use plisse_live::unify::{Unified, fill_normals, vertex_normals};
 use plisse_live::{Vec2, Vec3, models, wavelength};
 
-/// Vertices closer than this share of the model's size are one place.
+/// Distance under which vertices are welded, as a share of the model's size.
 const TOLERANCE: f32 = 1e-5;
 
-/// Where a subject came from.
+/// The origin of a subject.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// A model of the program's own, one of [`models::NAMES`].
+    /// A built-in model, one of [`models::NAMES`].
     Own(String),
     /// A file.
     File(PathBuf),
 }
 
 impl Source {
-    /// Its name for people and for files, without folders and extension.
+    /// Name without folders and extension.
     pub fn stem(&self) -> String {
         match self {
             Self::Own(name) => name.clone(),
@@ -34,48 +34,51 @@ impl Source {
     }
 }
 
-/// A scene as text and as what it says.
+/// A scene, with its text.
 #[derive(Clone, Debug)]
 pub struct SceneText {
-    /// The file's text, with what was changed here.
+    /// The file's text, with the edits.
     pub text: String,
-    /// What it says.
+    /// The scene in it.
     pub scene: Scene,
-    /// The scene ready for the solvers.
+    /// The built scene, ready for the solvers.
     pub built: Arc<Built>,
 }
 
-/// A model that is worked on. Never changes after it is made.
+/// A model that is worked on. It never changes.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// Where it came from.
+    /// Its origin.
     pub source: Source,
     /// The model as it is drawn.
     pub model: Model,
     /// The mesh that is simulated and painted.
     pub unified: Unified,
-    /// The scene it is the start of, if it came from one.
+    /// The scene that it came from, if any.
     pub scene: Option<SceneText>,
-    /// What readers passed over or mended, a sentence each.
+    /// The reader's notes on what it ignored or repaired, one sentence each.
     pub notes: Vec<String>,
-    /// Diagonal of the rest pose's box (m).
+    /// Diagonal of the rest pose's bounding box (m).
     pub(crate) size_m: f32,
 }
 
 impl Subject {
-    /// The program's own model `name`.
+    /// The built-in model `name`.
     ///
     /// # Errors
     /// [`Error::Value`] for a name that is none of [`models::NAMES`].
     pub fn own(name: &str) -> Result<Self> {
         let model = models::by_name(name)?.ok_or_else(|| {
             let known = models::NAMES.join(", ");
-            Error::value("model", format!("there is none called \"{name}\"; give one of {known}"))
+            Error::value(
+                "model",
+                format!("there is no model called \"{name}\"; give one of {known}"),
+            )
         })?;
         Ok(Self::new(Source::Own(name.to_owned()), model))
     }
 
-    /// A model that is ready.
+    /// The subject of a model.
     pub fn new(source: Source, mut model: Model) -> Self {
         let unified = Unified::new(&model, TOLERANCE);
         fill_normals(&mut model, &unified);
@@ -102,7 +105,7 @@ impl Subject {
         wavelength::per_vertex(&self.unified, wavelength_m, self.model.wavelength_share.as_deref())
     }
 
-    /// Size of the rest pose (m): the diagonal of its box.
+    /// Size of the rest pose (m): the diagonal of its bounding box.
     pub fn size_m(&self) -> f32 {
         self.size_m
     }
@@ -113,7 +116,7 @@ fn diagonal_m(unified: &Unified) -> f32 {
     (high - low).norm().max(1e-6)
 }
 
-/// `scene` ready for the solvers; one that only grows need not be held.
+/// The built scene; one that only grows needs no clamps.
 ///
 /// # Errors
 /// As [`build()`].
@@ -124,7 +127,7 @@ pub fn ready(scene: &Scene) -> Result<Built> {
     })
 }
 
-/// Lowest and highest corner of the finite `positions`; zeros without any.
+/// Lowest and highest corner of the finite `positions`; zeros if there are none.
 pub fn bounds(positions: &[Vec3]) -> [Vec3; 2] {
     let finite = || positions.iter().filter(|p| p.iter().all(|x| x.is_finite()));
     let low = finite().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
@@ -132,18 +135,18 @@ pub fn bounds(positions: &[Vec3]) -> [Vec3; 2] {
     if low.x <= high.x { [low, high] } else { [Vec3::zeros(); 2] }
 }
 
-/// A place of a scene, whose z points up, as it is shown, with y up.
+/// A position of a scene (z up) in the window's axes (y up).
 pub fn shown(p: &plisse::mesh::Vec3) -> Vec3 {
     Vec3::new(p.x as f32, p.z as f32, -p.y as f32)
 }
 
-/// The other way round.
+/// The inverse of [`shown`].
 pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
     plisse::mesh::Vec3::new(f64::from(p.x), -f64::from(p.z), f64::from(p.y))
 }
 
-/// The start of a scene as a model. Its vertices are the scene's, one by one: panels that lie on
-/// each other stay apart.
+/// The start of a scene as a model, with the scene's own vertices: panels that touch are not
+/// welded.
 fn laid(built: &Built) -> (Model, Unified) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> = built.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
@@ -158,7 +161,7 @@ fn laid(built: &Built) -> (Model, Unified) {
     (model, unified)
 }
 
-/// The unified mesh in which every draw vertex stays what it is.
+/// The unified mesh of a model whose vertices are not welded.
 pub fn one_to_one(model: &Model) -> Unified {
     let count = model.draw.positions.len();
     let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(6 * model.faces.len());

@@ -1,5 +1,5 @@
-//! Jobs of the program: files that are read, solves, growth, and exports. Each keeps its result; what
-//! a job computes stands in [`crate::work`].
+//! Jobs of the program: files that are read, solves, growth, and exports. Each keeps its result;
+//! what a job computes stands in [`crate::work`].
 
 pub mod export;
 pub mod growth;

@@ -136,8 +136,8 @@ impl Physics {
         }
     }
 
-    /// Edits the scene, which is then built in the background. An invalid edit becomes a message, and
-    /// the scene stays.
+    /// Edits the scene, which is then built in the background. An invalid edit becomes a message,
+    /// and the scene stays.
     pub fn edit_scene(&mut self, document: &Document, edit: &Edit, shell: &mut Shell) {
         let Some(scene) = &document.subject.scene else { return };
         let draft = self.draft().cloned().unwrap_or_else(|| Draft::of(scene));

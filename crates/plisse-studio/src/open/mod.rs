@@ -1,5 +1,5 @@
-//! Files in: models (GLB, glTF, OBJ, PLY), scenes (TOML), and documents (`NAME.plisse.json`). What
-//! comes out is a whole document or one sentence; nothing half-read ever replaces what is open.
+//! Reading and writing of files: models (GLB, glTF, OBJ, PLY), scenes (TOML), and documents
+//! (`NAME.plisse.json`). A file gives a complete document or an error.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,16 @@ use plisse_live::{Vec2, Vec3, gltf_in};
 
 use crate::document::{Document, Source, Subject, saved};
 
-/// Extensions that can be opened, for dialogs.
+/// Extensions of files that can be opened.
 pub const EXTENSIONS: [&str; 6] = ["glb", "gltf", "obj", "ply", "toml", "json"];
 /// End of the names of documents.
 pub const DOCUMENT_END: &str = ".plisse.json";
 
-/// The document in, or about, the file `path`.
+/// The document in the file `path`, or a new one about the model in it.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Value`] for a file of another kind; as the readers of each kind.
+/// [`Error::File`] if it cannot be read; [`Error::Value`] for a file of another kind; as the
+/// readers of each kind.
 pub fn open(path: &Path) -> Result<Document> {
     if path.to_string_lossy().to_lowercase().ends_with(".json") {
         return document(path);
@@ -26,8 +27,7 @@ pub fn open(path: &Path) -> Result<Document> {
     Ok(Document::new(subject(path)?))
 }
 
-/// The file to open of several that came together: a document, else a scene, else a model; none of
-/// other kinds.
+/// The file to open of several that came together: a document, else a scene, else a model.
 pub fn first(paths: &[PathBuf]) -> Option<&Path> {
     let is = |path: &PathBuf, end: &str| path.to_string_lossy().to_lowercase().ends_with(end);
     let ends = [DOCUMENT_END, ".toml", ".glb", ".gltf", ".obj", ".ply"];
@@ -70,7 +70,7 @@ fn name(path: &Path) -> String {
     path.file_name().map_or_else(|| "model".into(), |n| n.to_string_lossy().into_owned())
 }
 
-/// Vertices of an OBJ file split where its texture coordinates are.
+/// The model of an OBJ file; vertices are split along its texture seams.
 fn from_obj(name: &str, read: &obj::Obj) -> Model {
     let place = |v: usize| {
         Vec3::new(
@@ -98,7 +98,7 @@ fn from_obj(name: &str, read: &obj::Obj) -> Model {
     Model::rigid(name, positions, uvs, faces)
 }
 
-/// The vertices of a PLY file as they are.
+/// The model of a PLY file.
 fn from_ply(name: &str, read: &ply_mesh::PlyMesh) -> Model {
     let positions = read.positions.iter().map(|p| p.map(|x| x as f32)).collect();
     // PLY's v points up.
@@ -112,7 +112,7 @@ fn from_ply(name: &str, read: &ply_mesh::PlyMesh) -> Model {
     )
 }
 
-/// The document saved in `path`, with its model from beside it.
+/// The document in the file `path`, with its model.
 fn document(path: &Path) -> Result<Document> {
     let text = plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?;
     restore(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new(".")))
@@ -121,7 +121,8 @@ fn document(path: &Path) -> Result<Document> {
 /// The document in `text`, whose model lies relative to `folder`.
 ///
 /// # Errors
-/// [`Error::Value`] at `place` for what is no document or does not fit its model; as [`subject`].
+/// [`Error::Value`] at `place` for a text that is no document or does not fit its model; as
+/// [`subject`].
 pub fn restore(place: &str, text: &str, folder: &Path) -> Result<Document> {
     let saved = saved::read(place, text)?;
     let subject = match (&saved.model.own, &saved.model.file) {
@@ -155,10 +156,10 @@ pub fn text(document: &Document, folder: &Path) -> String {
     })
 }
 
-/// Writes `document` to `path`, aside and then renamed.
+/// Writes `document` to `path`, under another name first and then renamed.
 ///
 /// # Errors
-/// [`Error::File`] if that cannot be done; what was there before stays then.
+/// [`Error::File`] if it cannot be written; an earlier file then stays.
 pub fn save(document: &Document, path: &Path) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = text(document, folder);
@@ -169,7 +170,7 @@ pub fn save(document: &Document, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Where a document about `source` is saved if nobody says otherwise.
+/// The suggested path of a document about `source`.
 pub fn usual_path(source: &Source) -> PathBuf {
     let name = format!("{}{DOCUMENT_END}", source.stem());
     match source {

@@ -1,23 +1,23 @@
-//! What the page's address asks for.
+//! The options in the page's address.
 
 use plisse::{Error, Result};
 
-/// What follows the "?" of the page's address.
+/// The pairs after the "?" of the page's address.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Asked {
     /// Files to load from beside the page; the first one is opened.
     pub files: Vec<String>,
     /// A script to run, from beside the page.
     pub script: Option<String>,
-    /// Whether WebGL 2 is to draw, also where there is WebGPU.
+    /// True if WebGL 2 is to draw even if there is WebGPU.
     pub webgl: bool,
 }
 
 impl Asked {
-    /// From pairs of names and values.
+    /// Reads pairs of names and values.
     ///
     /// # Errors
-    /// [`Error::Value`] naming a pair that means nothing.
+    /// [`Error::Value`] naming an unknown pair.
     pub fn from_pairs(pairs: impl IntoIterator<Item = (String, String)>) -> Result<Self> {
         let mut asked = Self::default();
         for (name, value) in pairs {
@@ -27,10 +27,10 @@ impl Asked {
                 ("graphics", "webgl") => asked.webgl = true,
                 ("graphics", "webgpu") => asked.webgl = false,
                 _ => {
-                    let mend = "give file=, script=, graphics=webgl or graphics=webgpu";
+                    let fix = "give file=, script=, graphics=webgl or graphics=webgpu";
                     return Err(Error::value(
                         "page address",
-                        format!("\"{name}={value}\" means nothing; {mend}"),
+                        format!("\"{name}={value}\" is unknown; {fix}"),
                     ));
                 }
             }

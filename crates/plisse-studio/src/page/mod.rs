@@ -1,6 +1,6 @@
-//! The program in a web page (`web/index.html`). Files are in memory ([`plisse::io::disk`]), exports
-//! become downloads, and autosaves go to the browser's local storage. The page's own script does
-//! what only scripts can.
+//! The program in a web page (`web/index.html`). Files are in memory ([`plisse::io::disk`]),
+//! exports become downloads, and autosaves go to the browser's local storage. The page's own script
+//! does what only scripts can.
 
 pub mod asked;
 #[cfg(target_arch = "wasm32")]
@@ -10,7 +10,5 @@ pub(crate) mod files;
 #[cfg(target_arch = "wasm32")]
 mod run;
 
-#[cfg(target_arch = "wasm32")]
-pub(crate) use run::after_frame;
 #[cfg(target_arch = "wasm32")]
 pub use run::start;

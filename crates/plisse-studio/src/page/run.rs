@@ -76,7 +76,7 @@ async fn run() -> Result<(), JsValue> {
     let create = move |context: &eframe::CreationContext<'_>| -> Result<
         Box<dyn eframe::App>,
         Box<dyn std::error::Error + Send + Sync>,
-    > { Ok(Box::new(window(context, driver, &asked)?)) };
+    > { Ok(Box::new(PageWindow(window(context, driver, &asked)?))) };
     eframe::WebRunner::new().start(canvas, options, Box::new(create)).await
 }
 
@@ -148,9 +148,21 @@ fn graphics(context: &eframe::CreationContext<'_>) -> (Graphics, String) {
     (Graphics::Window(gpu, show), whole)
 }
 
+/// The program in a page.
+struct PageWindow(Window);
+
+impl eframe::App for PageWindow {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        let was_driven = self.0.driver.is_some();
+        self.0.frame(ui);
+        after_frame(&mut self.0, was_driven);
+        self.0.close_if_asked(ui.ctx());
+    }
+}
+
 /// Does the page's work after a frame: opens files that arrived, and hands over files that were
 /// written. `was_driven`: true if a script drove the frame.
-pub(crate) fn after_frame(window: &mut Window, was_driven: bool) {
+fn after_frame(window: &mut Window, was_driven: bool) {
     if let Some(path) = open::first(&files::take()) {
         window.studio.shell.file_chooser = None;
         window.studio.ask_to_open(path.to_path_buf());

@@ -165,8 +165,8 @@ impl Picture<'_> {
         self.viewport.unsettle();
     }
 
-    /// Paints waiting dabs of the stroke as far as a frame has time, and ends a released stroke once
-    /// all are painted.
+    /// Paints waiting dabs of the stroke as far as a frame has time, and ends a released stroke
+    /// once all are painted.
     pub(crate) fn paint_waiting(&mut self) {
         let subject = Arc::clone(&self.document.subject);
         if self.tools.trail.is_none() {

@@ -21,15 +21,13 @@ pub(crate) fn panel(
     let in_scene = document.subject.scene.as_ref().is_some_and(|s| s.scene.growth.is_some());
     ui.label(match (painted, in_scene) {
         (true, _) => {
-            "The surface grows by the painted Expansion. Wavelength, Coherence and Freeze shape the \
-             folds."
+            "The surface grows by the painted Expansion. Wavelength, Coherence and Freeze shape \
+             the folds."
         }
         (false, true) => {
             "The surface grows as the scene says. Paint Expansion to use that instead."
         }
-        (false, false) => {
-            "Paint Expansion first: it sets the amount and the direction of growth."
-        }
+        (false, false) => "Paint Expansion first: it sets the amount and the direction of growth.",
     });
     ui.add_space(4.0);
     if painted || !in_scene {

@@ -1,31 +1,33 @@
-//! Colours for numbers, as textures: a number is a texture coordinate, so that every renderer can
-//! show it.
+//! Colour scales, as textures: a number is a texture coordinate, so that the renderer needs nothing
+//! else.
 
 use plisse_live::Vec2;
 use plisse_live::texture::Texture;
 
-/// Entries of a scale.
+/// Number of colours of a scale.
 const ENTRIES: usize = 256;
-/// Size of the wireframe's texture (texels), and the width of its lines there.
-const WIRE: (usize, f32) = (256, 4.0);
+/// Width and height of the wireframe's texture (texels).
+const WIRE_SIZE: usize = 256;
+/// Width of the lines in it (texels).
+const WIRE_WIDTH: f32 = 4.0;
 
-/// A texture of the easel.
+/// A colour scale, or another texture of the renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
     /// The model's own colours.
     Base,
-    /// From nothing (pale) to much (dark red).
+    /// From zero (pale) to the largest number (dark red).
     Heat,
-    /// From shorter (blue) over equal (white) to longer (red).
+    /// From shorter (blue) by way of equal (white) to longer (red).
     Diverging,
-    /// Round and round.
+    /// Periodic.
     Phase,
     /// The lines of a mesh.
     Wire,
 }
 
 impl Scale {
-    /// All, in the order of the easel's textures.
+    /// All, in the order of the renderer's textures.
     pub const ALL: [Self; 5] = [Self::Base, Self::Heat, Self::Diverging, Self::Phase, Self::Wire];
 
     /// Colour (sRGB) at `t`, 0 to 1.
@@ -57,7 +59,7 @@ impl Scale {
         })
     }
 
-    /// Its texture; `base` for the model's own.
+    /// Its texture; `base` is the model's own.
     pub fn texture(self, base: &Texture) -> Texture {
         let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
         match self {
@@ -89,9 +91,9 @@ pub fn wire_uvs() -> [Vec2; 3] {
     [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0)]
 }
 
-/// A triangle with dark sides; the other half of the square is its mirror image, which nobody sees.
+/// A triangle with dark sides; the other half of the square is its mirror image, which is not seen.
 fn wire() -> Texture {
-    let (size, width) = WIRE;
+    let (size, width) = (WIRE_SIZE, WIRE_WIDTH);
     let colour = |i: usize| {
         let (x, y) = ((i % size) as f32 + 0.5, (i / size) as f32 + 0.5);
         let diagonal = (x + y - size as f32).abs() / std::f32::consts::SQRT_2;

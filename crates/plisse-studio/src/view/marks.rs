@@ -1,4 +1,4 @@
-//! Lines over the picture: ways of waves, and expansion as ellipses. Only those that no face hides.
+//! Lines over the picture: crests, and expansion as ellipses. Hidden ones are left out.
 
 use std::f32::consts::TAU;
 
@@ -9,22 +9,21 @@ use plisse_live::{Vec2, Vec3};
 
 /// Most marks in one picture.
 const MOST: usize = 3000;
-/// Parts of an ellipse.
+/// Number of segments of an ellipse.
 const PARTS: usize = 14;
-/// Height (pixels) of the picture that decides what is hidden.
+/// Height (pixels) of the depth picture that decides what is hidden.
 const COARSE: usize = 200;
 
-/// A line in the picture: its ends, from (0, 0) at the upper left to (1, 1), and how strong it is,
-/// 0 to 1.
+/// A line in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mark {
-    /// Its ends.
+    /// Its ends, from (0, 0) at the upper left to (1, 1).
     pub ends: [Vec2; 2],
-    /// How strong.
+    /// Its strength, 0 to 1.
     pub strength: f32,
 }
 
-/// Depths of a coarse picture, to tell what is hidden.
+/// Depths of a coarse picture, which decide what is hidden.
 pub struct Depths {
     size: [usize; 2],
     nearest: Vec<f32>,
@@ -32,7 +31,7 @@ pub struct Depths {
 }
 
 impl Depths {
-    /// Of `faces` over `positions`.
+    /// The depths of `faces` over `positions`.
     pub fn new(camera: &Camera, positions: &[Vec3], faces: &[[u32; 3]]) -> Self {
         let size = [((COARSE as f32 * camera.aspect) as usize).clamp(8, 4 * COARSE), COARSE];
         let mut depths =
@@ -76,15 +75,14 @@ impl Depths {
         }
     }
 
-    /// Where `p` is in the picture; `None` if it is outside or something is clearly nearer.
+    /// Position of `p` in the picture; `None` if it is outside or clearly hidden.
     pub fn visible(&self, p: &Vec3) -> Option<Vec2> {
         let at = seen(&self.camera.clip_from_world(), p)?;
         if !(0.0..1.0).contains(&at.x) || !(0.0..1.0).contains(&at.y) {
             return None;
         }
         let (x, y) = ((at.x * self.size[0] as f32) as usize, (at.y * self.size[1] as f32) as usize);
-        // The farthest of the pixels around decides, and a little more, so that nothing hides
-        // itself.
+        // The farthest of the pixels around decides, with some slack, so that nothing hides itself.
         let mut farthest = f32::NEG_INFINITY;
         for j in y.saturating_sub(1)..=(y + 1).min(self.size[1] - 1) {
             for i in x.saturating_sub(1)..=(x + 1).min(self.size[0] - 1) {
@@ -98,7 +96,7 @@ impl Depths {
     }
 }
 
-/// Place in the picture (0 to 1) and depth of `p`; `None` behind the viewer.
+/// Position in the picture (0 to 1) and depth of `p`; `None` behind the viewer.
 fn seen(map: &plisse_live::Mat4, p: &Vec3) -> Option<Vec3> {
     let clip = map * p.push(1.0);
     (clip.w > 1e-6).then(|| {
@@ -106,12 +104,12 @@ fn seen(map: &plisse_live::Mat4, p: &Vec3) -> Option<Vec3> {
     })
 }
 
-/// Vertices that get a mark: all of few, else evenly chosen ones.
+/// The vertices that get a mark: all, or an even choice of [`MOST`].
 fn chosen(count: usize) -> impl Iterator<Item = usize> {
     (0..count).step_by(count.div_ceil(MOST).max(1))
 }
 
-/// Half the usual length of an edge (m), from a sample.
+/// Half the typical length of an edge (m), from a sample.
 fn half_edge_m(unified: &Unified, positions: &[Vec3]) -> f32 {
     let mut lengths: Vec<f32> = chosen(unified.count())
         .flat_map(|v| unified.around(v).iter().map(move |&n| (v, n as usize)))
@@ -122,7 +120,7 @@ fn half_edge_m(unified: &Unified, positions: &[Vec3]) -> f32 {
     0.42 * lengths.get(lengths.len() / 2).copied().unwrap_or(0.0) * thinned.sqrt()
 }
 
-/// Which way crests run at each vertex: lines across the wave vectors.
+/// The direction of crests at each vertex: lines across the wave vectors.
 pub fn crests(
     unified: &Unified,
     posed: &Skinned,
@@ -144,8 +142,8 @@ pub fn crests(
     chosen(unified.count()).filter(|&v| strength[v] > 0.0).filter_map(mark).collect()
 }
 
-/// Expansion as ellipses: a small circle grows by what its vertex shall grow; nothing where nothing
-/// shall.
+/// Expansion as ellipses: a small circle, grown by the expansion of its vertex; none where the
+/// expansion is zero.
 pub fn ellipses(
     unified: &Unified,
     posed: &Skinned,
@@ -183,7 +181,7 @@ pub fn ellipses(
 }
 
 impl Depths {
-    /// Where `p` is in the picture, hidden or not.
+    /// Position of `p` in the picture, hidden or not.
     fn place(&self, p: &Vec3) -> Option<Vec2> {
         seen(&self.camera.clip_from_world(), p).map(|at| Vec2::new(at.x, at.y))
     }

@@ -1,6 +1,6 @@
-//! Pictures: the camera ([`orbit_camera`]), the faces of each view ([`corners`], [`colours`]), lines
-//! over them ([`marks`]), what is requested and what comes back ([`frame`]), and the thread that
-//! renders ([`RenderThread`]).
+//! Pictures: the camera ([`orbit_camera`]), the faces of each view ([`corners`], [`colours`]),
+//! lines over them ([`marks`]), what is requested and what comes back ([`frame`]), and the thread
+//! that renders ([`RenderThread`]).
 
 pub mod colours;
 pub mod corners;

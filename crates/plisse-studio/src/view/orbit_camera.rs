@@ -1,19 +1,17 @@
-//! A camera on a turntable: it goes round a point, up and down, nearer and farther; the sky stays
-//! up.
+//! An orbit camera: it turns around a point, and moves nearer and farther; y stays up.
 
 use plisse_live::Vec3;
 use plisse_live::camera::Camera;
 
 use crate::document::subject::bounds;
 
-/// Half the tangent of the camera's opening angle, measured once from a camera that [`Camera::fit`]
-/// made.
+/// Tangent of half the camera's opening angle, from its clip matrix.
 fn half_height(camera: &Camera) -> f32 {
     // Clip y of a point one unit above the middle, at the distance 1, is 1/tan.
     1.0 / camera.clip_from_world().fixed_view::<1, 3>(1, 0).norm()
 }
 
-/// A turntable.
+/// An orbit camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
     /// The point it looks at (m).
@@ -24,12 +22,12 @@ pub struct OrbitCamera {
     pub pitch_rad: f32,
     /// Distance from the point (m).
     pub distance_m: f32,
-    /// Radius of what must stay within reach of the lens (m).
+    /// Radius around the target that stays within the depth range (m).
     pub radius_m: f32,
 }
 
 impl OrbitCamera {
-    /// Holds all of `positions` in a picture of this width over height.
+    /// A camera that sees all of `positions` in a picture of this width over height.
     pub fn fit(positions: &[Vec3], yaw_rad: f32, pitch_rad: f32, aspect: f32) -> Self {
         let camera = Camera::fit(positions.iter(), yaw_rad, pitch_rad, aspect);
         let [low, high] = bounds(positions);
@@ -77,7 +75,7 @@ impl OrbitCamera {
         self.target += (y * down - x * right) * height_m;
     }
 
-    /// Everything `factor` times as large.
+    /// Makes everything `factor` times as large.
     pub fn zoom(&mut self, factor: f32) {
         if factor.is_finite() && factor > 0.0 {
             self.distance_m =

@@ -25,7 +25,8 @@ pub enum Graphics {
     Processor,
     /// An adapter of the renderer's own, if there is one; pictures come back into memory.
     Own,
-    /// The window's adapter; pictures stay on it. Browsers need this: a page cannot wait for pixels.
+    /// The window's adapter; pictures stay on it. Browsers need this: a page cannot wait for
+    /// pixels.
     Window(Gpu, ShowTexture),
 }
 

@@ -1,5 +1,6 @@
-//! What is taken away: wrinkled geometry, maps, the field, pictures, painted layers. Every file is
-//! written aside and renamed, so that a full disk or a crash leaves what was there before.
+//! Export: wrinkled geometry, maps, the field, painted layers, scenes. Every file is written under
+//! another name first and then renamed, so that a full disk or a crash leaves earlier files as they
+//! were.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,7 +11,7 @@ use plisse::io::{glb, obj, ply};
 use plisse::mesh::{Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;
 use plisse::{Error, Result};
-use plisse_live::export::{check_size, refine, suggest_parts, write_still};
+use plisse_live::export::{Fine, check_size, refine, suggest_parts, write_still};
 use plisse_live::live::{LiveOptions, LiveState};
 use plisse_live::play::Player;
 use plisse_live::skin::Skinned;
@@ -20,33 +21,34 @@ use super::grow::Grown;
 use super::job::Reporter;
 use super::solve::SolvedScene;
 use crate::document::maps::{paint_map, write_png};
+use crate::document::settings::ProfileChoice;
 use crate::document::subject::shown;
 use crate::document::{Document, Layer};
 
-/// Parts of a wave that edges of wrinkled geometry are divided into.
+/// Number of edges of wrinkled geometry per wave.
 const PER_WAVE: f32 = 6.0;
-/// Texels by which islands of maps are grown, as `plisse bake` has it.
+/// Width of the rim around islands of maps (texels), as in `plisse bake`.
 const PADDING: usize = 8;
 
-/// What to take away.
+/// A kind of exported file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The surface as OBJ, PLY or GLB, by the file's extension.
     Surface,
-    /// Height and normal maps (16-bit PNG), with the bias and the command that makes them again.
+    /// Height and normal maps (16-bit PNG), with the bias and the command that bakes them again.
     Maps,
     /// The wrinkle field (JSON).
     Field,
     /// Painted layers as images, and the bias as JSON.
     Paint,
-    /// The scene file and what `plisse solve` makes of it.
+    /// The scene file, and the files that `plisse solve` makes of it.
     SceneFiles,
 }
 
-/// What the window shows, as far as files need it.
+/// The exported surface, with its document.
 #[derive(Clone)]
 pub enum Source {
-    /// Live waves.
+    /// The model with its live wrinkles.
     Live(Box<Document>),
     /// A solved scene.
     Solved(Arc<SolvedScene>, Box<Document>),
@@ -63,10 +65,11 @@ impl Source {
 }
 
 /// Writes `kind` of `source` to `path`: a file, or a folder for [`Kind::Maps`], [`Kind::Paint`] and
-/// [`Kind::SceneFiles`]; the paths written.
+/// [`Kind::SceneFiles`]; the paths of the written files.
 ///
 /// # Errors
-/// [`Error::File`] if something cannot be written; [`Error::Value`] for what is not there to write.
+/// [`Error::File`] if something cannot be written; [`Error::Value`] if the source has no such
+/// files.
 pub fn write<T: Send>(
     kind: Kind,
     source: &Source,
@@ -83,15 +86,15 @@ pub fn write<T: Send>(
         Kind::SceneFiles => match &source.document().subject.scene {
             Some(scene) => super::scene_files::write(scene, path, reporter),
             None => Err(Error::value(
-                "take away",
-                "this model came from no scene; open a scene file (.toml) for that",
+                "export",
+                "this model came from no scene; open a scene file (.toml) first",
             )),
         },
     }
 }
 
-/// Plays the document's clip to its time from the beginning, as the command line does: what comes
-/// out does not depend on what was looked at before.
+/// Plays the document's clip from the beginning to its time, as the command line does: the result
+/// does not depend on what the window showed before.
 fn played(document: &Document) -> Result<(LiveState, Skinned, LiveOptions)> {
     let (subject, options) = (&document.subject, document.live_options());
     let mut player =
@@ -118,7 +121,7 @@ fn one_file(
     folder.commit()
 }
 
-/// A surface with f64 places, as the library's writers take it.
+/// A surface for the library's writers.
 struct Plain {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
@@ -132,35 +135,16 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
     if !["obj", "ply", "glb"].contains(&extension.as_str()) {
         return Err(Error::value(
             path.display().to_string(),
-            "its name says no format; let it end in .obj, .ply or .glb",
+            "its name has no known format; let it end in .obj, .ply or .glb",
         ));
     }
     let plain = match source {
         Source::Live(document) => {
-            let subject = &document.subject;
-            let (state, drawn, _) = played(document)?;
-            let profile = document.settings.profile.profile();
-            let parts = suggest_parts(&subject.unified, document.settings.wavelength_m, PER_WAVE);
-            check_size(&subject.model, parts, 1)?;
-            let fine = refine(&subject.model, &subject.unified, &drawn, &state, &profile, parts);
+            let fine = live(document)?;
             if extension == "glb" {
-                return one_file(path, |out| write_still(out, &subject.model, &fine));
+                return one_file(path, |out| write_still(out, &document.subject.model, &fine));
             }
-            let wide =
-                |x: &plisse_live::Vec3| Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
-            let faces: Vec<[usize; 3]> = fine.faces.iter().map(|f| f.map(|v| v as usize)).collect();
-            // OBJ's v points up.
-            let uvs = fine
-                .uvs
-                .iter()
-                .map(|uv| Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y)))
-                .collect();
-            Plain {
-                positions: fine.positions.iter().map(wide).collect(),
-                normals: fine.normals.iter().map(wide).collect(),
-                texture: Some((uvs, faces.clone())),
-                faces,
-            }
+            plain_of(&fine)
         }
         Source::Solved(solved, _) => {
             let posed = solved.built.posed(&solved.pose);
@@ -197,6 +181,29 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
     }
 }
 
+/// The live wrinkles of a document as geometry.
+fn live(document: &Document) -> Result<Fine> {
+    let subject = &document.subject;
+    let (state, drawn, _) = played(document)?;
+    let profile = document.settings.profile.profile();
+    let parts = suggest_parts(&subject.unified, document.settings.wavelength_m, PER_WAVE);
+    check_size(&subject.model, parts, 1)?;
+    Ok(refine(&subject.model, &subject.unified, &drawn, &state, &profile, parts))
+}
+
+fn plain_of(fine: &Fine) -> Plain {
+    let wide = |x: &plisse_live::Vec3| Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
+    let faces: Vec<[usize; 3]> = fine.faces.iter().map(|f| f.map(|v| v as usize)).collect();
+    // OBJ's v points up.
+    let uvs = fine.uvs.iter().map(|uv| Vec2::new(f64::from(uv.x), 1.0 - f64::from(uv.y))).collect();
+    Plain {
+        positions: fine.positions.iter().map(wide).collect(),
+        normals: fine.normals.iter().map(wide).collect(),
+        texture: Some((uvs, faces.clone())),
+        faces,
+    }
+}
+
 fn plain(topology: &Topology, positions: &[Vec3]) -> Plain {
     let normals = plisse::mesh::normals::vertex_normals(topology, positions);
     Plain { positions: positions.to_vec(), normals, faces: topology.faces.clone(), texture: None }
@@ -206,8 +213,8 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     let Source::Live(document) = source else {
         return Err(Error::value(
             "maps",
-            "they are baked from live waves here; take the scene's files away and run plisse bake \
-             on their folder",
+            "the window bakes live wrinkles only; export the scene and its files, and run plisse \
+             bake on their folder",
         ));
     };
     let subject = &document.subject;
@@ -234,7 +241,7 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     folder.commit()
 }
 
-/// The command that bakes the same maps; what it cannot say stands below it.
+/// The command that bakes the same maps, with a comment on what it cannot contain.
 fn command(document: &Document, options: &LiveOptions, size: usize) -> String {
     let settings = &document.settings;
     let model = match &document.subject.source {
@@ -249,12 +256,10 @@ fn command(document: &Document, options: &LiveOptions, size: usize) -> String {
         words.push(format!("--clip \"{clip}\" --time {}", settings.time_s));
     }
     match &settings.profile {
-        crate::document::settings::ProfileChoice::Sine => {}
-        crate::document::settings::ProfileChoice::Accordion => {
-            words.push("--profile accordion".into())
-        }
-        crate::document::settings::ProfileChoice::Pencil => words.push("--profile pencil".into()),
-        crate::document::settings::ProfileChoice::Heights(list) => {
+        ProfileChoice::Sine => {}
+        ProfileChoice::Accordion => words.push("--profile accordion".into()),
+        ProfileChoice::Pencil => words.push("--profile pencil".into()),
+        ProfileChoice::Heights(list) => {
             let list: Vec<String> = list.iter().map(f32::to_string).collect();
             words.push(format!("--profile \"{}\"", list.join(",")));
         }
@@ -291,7 +296,7 @@ fn field(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
         }
         Source::Grown(..) => Err(Error::value(
             "field",
-            "what has grown is geometry itself and has no field; take the surface away",
+            "a grown surface is geometry and has no field; export the surface",
         )),
     }
 }

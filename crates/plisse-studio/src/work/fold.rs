@@ -1,9 +1,8 @@
-//! Folding under the brush: what is painted is followed by the local solve of growth, in the
-//! background, a piece of work at a time.
+//! Folding under the brush: a local solve of growth follows the painted layers, in the background,
+//! a piece of work at a time.
 //!
-//! The painted layers are what counts: whatever differs between them and what was followed so far
-//! grows in small steps, and then comes to rest. A stroke that is taken back is restored to the
-//! bit.
+//! Only the layers count: their difference from the layers followed so far grows in small steps,
+//! and then comes to rest. An undone stroke is restored to the bit.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,55 +20,61 @@ use crate::document::{Document, Layer, Layers};
 use crate::threads::{apart, spawn};
 use crate::view::Solid;
 
-/// Largest factor of length by which a place grows before its surroundings follow.
+/// Largest growth of length (a factor) in one step, after which the surroundings follow.
 const STEP: f64 = 1.1;
-/// Newton iterations of a bout of coming to rest, after which it is shown; and how many bouts there
-/// are at most.
+/// Newton iterations of a bout of coming to rest, after which the surface is shown.
 const BOUT: usize = 8;
+/// Most bouts after a stroke.
 const MOST_BOUTS: usize = 25;
 
-/// Layers to follow.
+/// A request to follow the layers.
 pub struct FoldRequest {
-    /// What is painted.
+    /// The painted layers.
     pub layers: Layers,
-    /// How many strokes led to it, with the one on its way.
+    /// Number of strokes that led to them, the current one included.
     pub strokes: usize,
 }
 
-/// What was folded.
+/// The surface after a piece of work.
 #[derive(Clone)]
 pub struct Folded {
-    /// What is seen of it.
+    /// The surface, to show.
     pub solid: Arc<Solid>,
     /// The surface.
     pub grown: Arc<Grown>,
-    /// Milliseconds that following took.
+    /// Time of the work (ms).
     pub ms: f32,
-    /// Whether it is at rest with what is painted.
+    /// True if it is at rest with the painted layers.
     pub at_rest: bool,
 }
 
-/// Where the window and the thread meet.
+/// The data that the window and the thread share.
 struct Shared {
-    /// What to begin with, until the follower is made.
-    document: Mutex<Option<(Document, Option<Arc<Grown>>)>>,
+    /// The start, until the follower is made.
+    start: Mutex<Option<FoldStart>>,
     follower: Mutex<Option<Follower>>,
     wanted: Mutex<Option<FoldRequest>>,
     is_over: AtomicBool,
     out: Mutex<Option<Result<Folded>>>,
 }
 
+/// The start of folding: a document, and its grown surface, if any.
+struct FoldStart {
+    document: Document,
+    grown: Option<Arc<Grown>>,
+}
+
 impl Shared {
-    /// Follows the newest layers, or comes nearer to rest where there are none.
+    /// Follows the newest layers, or comes nearer to rest if there are none.
     fn work(&self) -> Result<Folded> {
         let lost = || {
             plisse::Error::value(
                 "fold under the brush",
-                "it made a mistake before and stopped; switch it off and on again",
+                "it stopped after an internal error; switch it off and on again",
             )
         };
         let mut follower = self.follower.lock().map_err(|_| lost())?;
-        if let Some((document, grown)) = self.document.lock().map_err(|_| lost())?.take() {
+        if let Some(FoldStart { document, grown }) = self.start.lock().map_err(|_| lost())?.take() {
             *follower = Some(Follower::new(&document, grown.as_deref())?);
         }
         let wanted = self.wanted.lock().map_err(|_| lost())?.take();
@@ -81,7 +86,7 @@ impl Shared {
     }
 }
 
-/// A bout of coming to rest ends as soon as something else was painted.
+/// Cancels a bout of coming to rest as soon as there is new paint.
 impl Observer for Shared {
     fn step(&self, _: &Step) {}
 
@@ -98,15 +103,15 @@ pub struct Fold {
 }
 
 impl Fold {
-    /// Goes on from `document`, and from what it has `grown` to if something has; `request_repaint` is called
-    /// when there is news. If that cannot be, this is the news.
+    /// Starts from `document`, or from its `grown` surface if there is one. `request_repaint` is
+    /// called when there is news, the first of which may be an error.
     pub fn start(
         document: Document,
         grown: Option<Arc<Grown>>,
         request_repaint: Arc<dyn Fn() + Send + Sync>,
     ) -> Self {
         let shared = Shared {
-            document: Mutex::new(Some((document, grown))),
+            start: Mutex::new(Some(FoldStart { document, grown })),
             follower: Mutex::default(),
             wanted: Mutex::default(),
             is_over: AtomicBool::new(false),
@@ -117,7 +122,7 @@ impl Fold {
         fold
     }
 
-    /// Asks for these layers to be followed; what was asked for before and not begun is forgotten.
+    /// Asks to follow these layers, in place of a request that is not begun.
     pub fn request(&mut self, wanted: FoldRequest) {
         if let Ok(mut there) = self.shared.wanted.lock() {
             *there = Some(wanted);
@@ -125,7 +130,7 @@ impl Fold {
         self.work();
     }
 
-    /// What came of it, if there is something new; and goes on.
+    /// The new result, if there is one; the work continues.
     pub fn take(&mut self) -> Option<Result<Folded>> {
         let folded = self.shared.out.lock().ok()?.take()?;
         self.works = false;
@@ -135,7 +140,7 @@ impl Fold {
         Some(folded)
     }
 
-    /// Whether it is not at rest with what was asked for.
+    /// True while it is not at rest with the requested layers.
     pub fn is_busy(&self) -> bool {
         self.works
     }
@@ -151,7 +156,7 @@ impl Fold {
             let broken = |_| {
                 Err(plisse::Error::value(
                     "fold under the brush",
-                    "the program made a mistake; save your work and report what you did",
+                    "internal error; save your work and report what you did",
                 ))
             };
             if let Ok(mut out) = shared.out.lock() {
@@ -168,50 +173,49 @@ impl Drop for Fold {
     }
 }
 
-/// Something that was followed, and what it led away from.
+/// A change that was followed, and the state before it.
 struct Done {
-    /// With how many strokes.
+    /// Number of strokes that led to it.
     strokes: usize,
     change: Change,
-    /// Vertices and the numbers that were followed before.
+    /// Vertices, with the numbers that were followed before.
     numbers: Vec<(usize, Numbers)>,
 }
 
-/// The thread's end: a surface, and the numbers that it follows.
+/// The thread's end: a surface, and the painted numbers that it follows.
 pub struct Follower {
     sculpture: Sculpture,
-    /// `[V]` growth 1, whose frames directions are read in.
+    /// `[V]` growth 1, whose frames painted directions refer to.
     frames: Expansion,
-    /// `[V]` what was followed so far.
+    /// `[V]` painted numbers that were followed so far.
     numbers: Vec<Numbers>,
-    /// `[V]` vertices that are held whatever is painted.
+    /// `[V]` true for vertices that are held whatever is painted.
     held: Vec<bool>,
     spacing_m: f64,
     coherence_m: f64,
     done: Vec<Done>,
-    /// Bouts of coming to rest that are left since something was painted last; none after something
-    /// was taken back.
+    /// Bouts of coming to rest that are left since the last paint; 0 after an undo.
     bouts: usize,
 }
 
 impl Follower {
-    /// Goes on from `document`, and from what it has `grown` to if something has.
+    /// Starts from `document`, or from its `grown` surface if there is one.
     ///
     /// # Errors
-    /// As [`Sculpture::new`]; [`plisse::Error::Value`] if something is painted that has not grown
-    /// yet, or has grown on another mesh.
+    /// As [`Sculpture::new`]; [`plisse::Error::Value`] if some paint has not grown yet, or has
+    /// grown on another mesh.
     pub fn new(document: &Document, grown: Option<&Grown>) -> Result<Self> {
         if grown.is_none() && document.layers.is_painted(Layer::Expansion) {
-            let message = "what is painted already has not grown yet; press Grow the whole, then \
-                the brush goes on from there";
+            let message = "some paint has not grown yet; press Grow the whole, then the brush \
+                continues from there";
             return Err(plisse::Error::value("fold under the brush", message));
         }
         let sheet = grow::painted(document)?;
         let surface = sheet.surface;
         let pose = match grown {
             Some(grown) if grown.topology.faces != surface.topology.faces => {
-                let message = "what has grown has another mesh than the model; undo growth.remesh \
-                    in its scene, or paint before it grows";
+                let message = "the grown surface has another mesh than the model; remove \
+                    growth.remesh from its scene, or paint before it grows";
                 return Err(plisse::Error::value("fold under the brush", message));
             }
             Some(grown) => grown.pose.clone(),
@@ -235,7 +239,7 @@ impl Follower {
         })
     }
 
-    /// Follows these layers, or goes on coming to rest.
+    /// Follows these layers, or continues to come to rest.
     ///
     /// # Errors
     /// As [`Sculpture::paint`] and [`Sculpture::equilibrate`]; the surface then is as it was.
@@ -247,7 +251,7 @@ impl Follower {
         let begun = Instant::now();
         let mut step = None;
         if let Some(wanted) = wanted {
-            self.take_back(wanted.strokes);
+            self.undo_beyond(wanted.strokes);
             step = self.paint(&wanted)?.or(step);
         } else if self.bouts > 0 {
             self.bouts -= 1;
@@ -272,8 +276,8 @@ impl Follower {
         self.sculpture.pose()
     }
 
-    /// Restores what was before the strokes beyond the first `strokes`.
-    fn take_back(&mut self, strokes: usize) {
+    /// Restores the state after the first `strokes`.
+    fn undo_beyond(&mut self, strokes: usize) {
         while let Some(done) = self.done.pop_if(|done| done.strokes > strokes) {
             self.sculpture.restore(done.change);
             done.numbers.into_iter().for_each(|(v, numbers)| self.numbers[v] = numbers);
@@ -281,7 +285,7 @@ impl Follower {
         }
     }
 
-    /// Grows what differs, in steps.
+    /// Grows the vertices whose numbers differ, in steps.
     fn paint(&mut self, wanted: &FoldRequest) -> Result<Option<StepReport>> {
         let to = |v: usize| Numbers::of(&wanted.layers, v);
         let differing: Vec<usize> =
@@ -319,7 +323,7 @@ impl Follower {
         Ok(last)
     }
 
-    /// What the numbers of vertex `v` ask for.
+    /// The growth at vertex `v` with these numbers.
     fn painted(&self, v: usize, numbers: &Numbers) -> GrowthAt {
         GrowthAt {
             growth: numbers.growth(&self.frames.vertices[v]),
@@ -334,7 +338,7 @@ impl Follower {
         match self.done.last_mut().filter(|last| last.strokes == strokes) {
             Some(last) => {
                 last.change = std::mem::take(&mut last.change).then(change);
-                // Of numbers that changed twice the first are kept.
+                // If numbers changed twice, the first are kept.
                 last.numbers.extend(numbers);
                 last.numbers.sort_by_key(|entry| entry.0);
                 last.numbers.dedup_by_key(|entry| entry.0);

@@ -1,5 +1,4 @@
-//! Growth in the background: what was painted, or what a scene says, step by step, with every step
-//! shown.
+//! Growth in the background, by the painted layers or a scene, step by step; every step is shown.
 
 use std::sync::Arc;
 
@@ -24,28 +23,28 @@ use crate::document::subject::unshown;
 use crate::document::{Document, Layer, Layers};
 use crate::view::Solid;
 
-/// From this share on a vertex counts as frozen.
+/// Least painted share at which a vertex is frozen.
 const FROZEN: f32 = 0.5;
 
-/// A surface made ready to grow; places are as in scenes, z up.
+/// A surface that is ready to grow, in a scene's axes (z up).
 #[derive(Clone, Debug)]
 pub enum Plan {
-    /// By what its scene says.
+    /// It grows as its scene says.
     Scene(Box<BuiltGrowth>),
-    /// By what is painted.
+    /// It grows by the painted layers.
     Painted(Box<Painted>),
 }
 
-/// A surface, and what is painted on it as growth takes it.
+/// A surface with its painted growth maps.
 #[derive(Clone, Debug)]
 pub struct Painted {
     pub(super) surface: GrowingSurface,
-    /// `[V]` what stays where it is whatever is painted.
+    /// `[V]` true for vertices that are held whatever is painted.
     pub(super) held: Vec<bool>,
     pub(super) options: GrowthOptions,
 }
 
-/// What is painted on one vertex that growth asks for.
+/// The painted numbers of a vertex that growth uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Numbers {
     /// As in [`Layer::Expansion`].
@@ -66,7 +65,7 @@ impl Numbers {
         }
     }
 
-    /// Growth along where it points, and then all ways; `frame` has growth 1.
+    /// Growth along the painted direction, times growth in all directions; `frame` has growth 1.
     pub(super) fn growth(&self, frame: &GrowthTensor) -> GrowthTensor {
         let [x, y, z, all] = self.expansion;
         let (direction, normal) = (unshown(&Seen::new(x, y, z)), frame.along.cross(&frame.across));
@@ -94,7 +93,7 @@ impl Numbers {
         self.freeze >= FROZEN
     }
 
-    /// Largest factor, up or down, by which some length changes from this to `to`.
+    /// Largest factor, up or down, by which a length changes from this to `to`.
     pub(super) fn growth_to(&self, to: &Self) -> f64 {
         let direction = |n: &Self| {
             Vec3::new(
@@ -115,7 +114,7 @@ impl Numbers {
         lengths * all(self).max(all(to)) / all(self).min(all(to))
     }
 
-    /// This share of the way to `to`.
+    /// The numbers at this share of the way to `to`.
     pub(super) fn towards(&self, to: &Self, share: f64) -> Self {
         let mix = |a: f32, b: f32| if share >= 1.0 { b } else { a + (b - a) * share as f32 };
         Self {
@@ -148,25 +147,26 @@ impl Plan {
 pub struct Grown {
     /// Connectivity.
     pub topology: Topology,
-    /// `[V]` places (m), z up.
+    /// `[V]` positions (m), z up.
     pub pose: Vec<Vec3>,
-    /// How it grew.
+    /// Report of the growth.
     pub report: Arc<GrowthReport>,
 }
 
-/// What growth hands over.
+/// A part of the result of growth.
 #[derive(Clone)]
 pub enum Part {
-    /// A step, to look at.
+    /// A step, to show.
     Step(Arc<Solid>),
-    /// The end.
+    /// The complete result.
     Whole(Arc<Solid>, Arc<Grown>),
 }
 
-/// What `document` says shall grow: what is painted, else what its scene says.
+/// The surface of `document`, to grow by its painted layers, or else as its scene says.
 ///
 /// # Errors
-/// [`Error::Value`] if neither says anything; [`Error::Mesh`] for a mesh that cannot grow; as [`build_growth`].
+/// [`Error::Value`] if there is neither; [`Error::Mesh`] for a mesh that cannot grow; as
+/// [`build_growth`].
 pub fn plan(document: &Document) -> Result<Plan> {
     let subject = &document.subject;
     let painted = document.layers.is_painted(Layer::Expansion);
@@ -180,12 +180,12 @@ pub fn plan(document: &Document) -> Result<Plan> {
         return Ok(Plan::Scene(Box::new(built)));
     }
     if !painted {
-        return Err(Error::value("grow", "nothing says what shall grow; paint Expansion first"));
+        return Err(Error::value("grow", "there is nothing to grow; paint Expansion first"));
     }
     Ok(Plan::Painted(Box::new(self::painted(document)?)))
 }
 
-/// The surface of `document` with what is painted on it.
+/// The surface of `document` with its painted growth maps.
 ///
 /// # Errors
 /// [`Error::Mesh`] for a mesh that cannot grow.
@@ -226,7 +226,7 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
     })
 }
 
-/// Grows it; on a mesh that follows the folds, if its scene says so.
+/// Grows a surface, on a mesh that follows the folds if its scene asks for that.
 ///
 /// # Errors
 /// As [`follow_each`] and [`follow_adapting`].
@@ -266,7 +266,7 @@ pub fn run(plan: &Plan, reporter: &Reporter<Part>) -> Result<Part> {
     Ok(Part::Whole(Arc::new(solid), Arc::new(grown)))
 }
 
-/// What is seen of a pose; `asked` is the metric that strain is against.
+/// The surface to show for a pose; strain is against the metric `asked`.
 pub(super) fn look(topology: &Topology, asked: &RestMetric, pose: &[Vec3]) -> Solid {
     let posed = seen(pose, topology);
     let count = pose.len();

@@ -55,7 +55,7 @@ pub struct Reporter<T> {
 }
 
 impl<T: Send + 'static> Job<T> {
-    /// Starts `work` in the background. `request_repaint` is called when there are news.
+    /// Starts `work` in the background. `request_repaint` is called when there is news.
     pub fn start(
         name: &'static str,
         request_repaint: impl Fn() + Send + Sync + 'static,
@@ -77,8 +77,8 @@ impl<T: Send + 'static> Job<T> {
             let done = match done {
                 Ok(done) => done.map_err(|e| e.to_string()),
                 Err(_) => {
-                    Err("the program made a mistake in this step; your work is kept, save it \
-                    and report what you did"
+                    Err("internal error in this step; your work is kept, save it and report \
+                    what you did"
                         .into())
                 }
             };

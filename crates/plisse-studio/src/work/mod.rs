@@ -1,6 +1,5 @@
-//! What takes long: jobs in the background with progress and cancel ([`job`]), solving a scene
-//! ([`solve`]), growing ([`grow`]), folding under the brush ([`fold`]), and the files that are
-//! taken away ([`export`], [`scene_files`]).
+//! Long work: background jobs with progress and cancel ([`job`]), the solve of a scene ([`solve`]),
+//! growth ([`grow`]), folding under the brush ([`fold`]), and export ([`export`], [`scene_files`]).
 
 pub mod export;
 pub mod fold;

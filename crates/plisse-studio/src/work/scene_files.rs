@@ -1,6 +1,5 @@
-//! The files that `plisse solve` makes of a scene, by the same steps in the same order, so that
-//! they are the same to the bit; and the scene file itself with the files it names, so that `plisse
-//! solve` can make them again.
+//! Export of a scene: the exact files that `plisse solve` makes of it, and the scene file itself
+//! with the files it names, so that `plisse solve` can make them again.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,11 +14,12 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 use super::job::Reporter;
 use crate::document::SceneText;
 
-/// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (but
+/// Writes `scene.toml`, the files it names, and what `plisse solve scene.toml` makes of it (without
 /// picture and report) into `folder`.
 ///
 /// # Errors
-/// [`Error::File`] if something cannot be read or written; [`Error::Value`] if it was stopped; as the solves.
+/// [`Error::File`] if something cannot be read or written; [`Error::Value`] if it was stopped; as
+/// the solves.
 pub fn write<T: Send>(
     scene: &SceneText,
     folder: &Path,
@@ -33,7 +33,7 @@ pub fn write<T: Send>(
     }
     out.write("scene.toml", |file| file.write_all(text.as_bytes()))?;
     reporter.stage("base surface", Some(0.1));
-    // From the scene's own start: what the window shows may have been reached from elsewhere.
+    // From the scene's own start: the window's solve may have started elsewhere.
     let built = &scene.built;
     let (pose, _) = plisse::scene::solve_base(&scene.scene, built, reporter)?;
     reporter.stage("wrinkle field", Some(0.5));
@@ -48,8 +48,8 @@ pub fn write<T: Send>(
     )?;
     if reporter.cancelled() {
         return Err(Error::value(
-            "take away",
-            "it was stopped, nothing was written; begin it again",
+            "export",
+            "it was stopped, and nothing was written; start it again",
         ));
     }
     reporter.stage("files", Some(0.8));
@@ -59,8 +59,8 @@ pub fn write<T: Send>(
     out.commit()
 }
 
-/// The scene's text with plain names for the files it names, and where those lie, by the names they
-/// get. Comments stay.
+/// The scene's text with the files it names as plain names, and the paths of these files by their
+/// plain names. Comments stay.
 ///
 /// # Errors
 /// [`Error::Value`] for a text that is no TOML.

@@ -1,9 +1,8 @@
-//! A scene solved in the background, by the library's own road: base surface, wrinkle field, fine
-//! surface.
+//! The solve of a scene in the background: base surface, wrinkle field, fine surface.
 //!
-//! To show something on the way, the base solve runs in bouts, each from where the last one ended,
-//! ever longer ones. That leads to the same equilibrium but not to the same bits as one run; the
-//! files of [`super::scene_files`] come from one run, as `plisse solve` makes it.
+//! To show poses on the way, the base solve runs in ever longer bouts, each from the pose of the
+//! last. That leads to the same equilibrium, but not to the same bits as one run; the files of
+//! [`super::scene_files`] come from one run, as in `plisse solve`.
 
 use std::sync::Arc;
 
@@ -29,7 +28,7 @@ use crate::view::Solid;
 
 /// Iterations of the first bout of the base solve.
 const FIRST_BOUT: usize = 6;
-/// Most faces of a fine surface that is only looked at.
+/// Most faces of a fine surface that is only shown.
 const MOST_FACES: usize = 150_000;
 
 /// A solved scene.
@@ -39,28 +38,28 @@ pub struct SolvedScene {
     pub built: Arc<Built>,
     /// `[V]` base surface (m).
     pub pose: Vec<Vec3>,
-    /// How the base solve went.
+    /// Report of the base solve.
     pub base: BaseReport,
-    /// Its wrinkles.
+    /// Its wrinkle field.
     pub field: WrinkleField,
-    /// How the field's solve went.
+    /// Report of the field's solve.
     pub report: FieldReport,
-    /// The surface with them, as it is seen.
+    /// The fine wrinkled surface, as it is shown.
     pub wrinkled: Wrinkled,
-    /// What the scene asks to measure.
+    /// The scene's measures.
     pub measures: Vec<Measured>,
 }
 
-/// What a solve hands over.
+/// A part of the result of a solve.
 #[derive(Clone)]
 pub enum Part {
-    /// A pose on the way, to look at, and `[V]` its places (m).
+    /// A pose on the way, to show, and its `[V]` positions (m).
     Pose(Arc<Solid>, Arc<Vec<Vec3>>),
-    /// The end.
+    /// The complete result.
     Whole(Arc<Solid>, Arc<SolvedScene>),
 }
 
-/// Solves `built`, from `start` (`[V]`, m) on if it was solved before.
+/// Solves `built`, from the pose `start` (`[V]`, m) if there is one.
 ///
 /// # Errors
 /// As [`solve_base`] and [`solve`].
@@ -114,7 +113,7 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
     Ok(Part::Whole(Arc::new(solid), Arc::new(scene)))
 }
 
-/// What is seen of a pose, its field and its fine surface, as far as they are known.
+/// The surface to show for a pose, with its field and its fine surface, as far as they are known.
 fn look(
     built: &Built,
     pose: &[Vec3],
@@ -146,7 +145,7 @@ fn ordered([a, b]: [f32; 2]) -> [f32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// A surface with waves, without strain and fine surface.
+/// The surface to show for a pose with waves; strain and fine surface are empty.
 pub(crate) fn solid(topology: &Topology, posed: Skinned, waves: &Waves) -> Solid {
     Solid {
         coarse: corners(topology, &posed, Some(waves)),
@@ -159,7 +158,7 @@ pub(crate) fn solid(topology: &Topology, posed: Skinned, waves: &Waves) -> Solid
     }
 }
 
-/// `pose` as it is shown.
+/// `pose` in the window's axes, with normals.
 pub(crate) fn seen(pose: &[Vec3], topology: &Topology) -> Skinned {
     let positions: Vec<Seen> = pose.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> = topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
@@ -179,7 +178,7 @@ fn corners(topology: &Topology, posed: &Skinned, waves: Option<&Waves>) -> Vec<[
     topology.faces.iter().map(|face| face.map(corner)).collect()
 }
 
-/// The mesh as marks and depths need it.
+/// The mesh of a surface to show.
 fn unified(topology: &Topology, posed: &Skinned) -> Unified {
     let model = plisse_live::model::Model::rigid(
         "",
