@@ -73,7 +73,7 @@ impl Tools {
         let vertex_faces = Arc::clone(&self.vertex_faces);
         let canvas = canvas(subject, &vertex_faces, &frame.posed);
         match &mut self.trail {
-            Some(trail) => trail.go(&canvas, &frame.camera, pointer),
+            Some(trail) => trail.extend(&canvas, &frame.camera, pointer),
             None => {
                 let trail = Trail::begin(self.brush.clone(), &canvas, &frame.camera, pointer);
                 self.trail = Some(trail);

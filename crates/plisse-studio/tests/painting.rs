@@ -29,7 +29,7 @@ fn stroke(
     let canvas = Canvas { unified: &subject.unified, vertex_faces: &surface, posed };
     let at = |k: usize| Vec2::from(from) + (Vec2::from(to) - Vec2::from(from)) * (k as f32 / 4.0);
     let mut trail = Trail::begin(brush.clone(), &canvas, camera, at(0));
-    (1..=4).for_each(|k| trail.go(&canvas, camera, at(k)));
+    (1..=4).for_each(|k| trail.extend(&canvas, camera, at(k)));
     let change = trail.end(&canvas, &mut document.layers, camera);
     document.push(change);
 }
@@ -152,7 +152,7 @@ fn one_stroke_goes_no_farther_than_its_strength() {
     // To and fro, five times.
     let mut trail = Trail::begin(brush, &canvas, &camera, Vec2::new(0.4, 0.5));
     for k in 0..10 {
-        trail.go(&canvas, &camera, Vec2::new(if k % 2 == 0 { 0.6 } else { 0.4 }, 0.5));
+        trail.extend(&canvas, &camera, Vec2::new(if k % 2 == 0 { 0.6 } else { 0.4 }, 0.5));
     }
     let change = trail.end(&canvas, &mut document.layers, &camera);
     document.push(change);

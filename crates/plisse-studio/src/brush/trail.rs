@@ -47,7 +47,7 @@ impl Trail {
     }
 
     /// Continues to `pointer`; [`Trail::paint`] paints the dabs on the way.
-    pub fn go(&mut self, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) {
+    pub fn extend(&mut self, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) {
         let from = self.pointer;
         self.pointer = pointer;
         let target = hit(canvas, camera, pointer);

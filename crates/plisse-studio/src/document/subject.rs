@@ -94,7 +94,7 @@ impl Subject {
         let scene = parse(&path, &text)?;
         let built = ready(&scene)?;
         let notes = built.notes.clone();
-        let (model, unified) = laid(&built);
+        let (model, unified) = start_of(&built);
         let scene = SceneText { text, scene, built: Arc::new(built) };
         let size_m = diagonal_m(&unified);
         Ok(Self { source: Source::File(path), model, unified, scene: Some(scene), notes, size_m })
@@ -147,7 +147,7 @@ pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
 
 /// The start of a scene as a model, with the scene's own vertices: panels that touch are not
 /// welded.
-fn laid(built: &Built) -> (Model, Unified) {
+fn start_of(built: &Built) -> (Model, Unified) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> = built.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
     let mut model = Model::rigid(
