@@ -6,6 +6,8 @@ use plisse_live::live::LiveState;
 use plisse_live::skin::{pose, skin};
 use plisse_live::{Vec2, Vec3};
 use plisse_studio::brush::{Canvas, Hit, Trail, VertexFaces};
+use plisse_studio::document::history::VertexChange;
+use plisse_studio::document::stroke::Dab;
 use plisse_studio::document::{
     Action, Brush, Document, Falloff, Heading, Layer, Mirror, Subject, maps,
 };
@@ -183,12 +185,12 @@ fn angles(
         state.step(&subject.unified, &standing, &document.live_options());
     }
     let change = document.history.done().last().unwrap();
-    let place = |d: &(u32, [f32; 2])| {
-        Hit::on(d.0 as usize, d.1, &posed.positions, &subject.unified.faces).position
+    let place = |dab: &Dab| {
+        Hit::on(dab.face as usize, dab.weights, &posed.positions, &subject.unified.faces).position
     };
     let dabs: Vec<Vec3> = change.stroke.dabs.iter().map(place).collect();
     let mut found = Vec::new();
-    for (v, _, after) in &change.vertices {
+    for VertexChange { vertex: v, after, .. } in &change.vertices {
         let v = *v as usize;
         // Where the stroke is strong, and away from its ends.
         let near = (0..dabs.len())
@@ -278,7 +280,7 @@ fn strokes_cross_texture_seams() {
     // The seam runs along +y.
     let camera = Camera::fit(x.iter(), 0.0, 1.4, 1.4);
     stroke(&mut document, &Brush::new(0.05), &x, &camera, [0.5, 0.46], [0.5, 0.54]);
-    let touched: Vec<u32> = document.history.done()[0].vertices.iter().map(|v| v.0).collect();
+    let touched: Vec<u32> = document.history.done()[0].vertices.iter().map(|c| c.vertex).collect();
     let side = |sign: f32| touched.iter().filter(|&&v| sign * x[v as usize].z > 0.01).count();
     assert!(side(1.0) >= 3 && side(-1.0) >= 3, "{} and {}", side(1.0), side(-1.0));
     // Both of the seam's draw vertices have what their place has.

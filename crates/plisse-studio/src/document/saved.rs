@@ -137,9 +137,7 @@ pub fn read(place: &str, text: &str) -> Result<Saved> {
         Some(n) if n > u64::from(FORMAT) => {
             return Err(Error::value(
                 place,
-                format!(
-                    "its format is {n}, not {FORMAT} or earlier; open it with a later version"
-                ),
+                format!("its format is {n}, not {FORMAT} or earlier; open it with a later version"),
             ));
         }
         Some(_) => {}
