@@ -22,7 +22,6 @@ open curtain
 hold
 time 0
 tab Paint
-orbit -38 6
 fit
 settle
 brush value 0.85
