@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::bake::{Baked, Coverage, Options, png16};
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::{Error, Result};
 use serde::Serialize;
 
@@ -199,7 +199,7 @@ impl<'a> Job<'a> {
         for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
             let name = entry.file_name().to_string_lossy().into_owned();
             if is_map(&name) && !written.contains(&&name) {
-                folder.leave_out(&name);
+                folder.remove_stale(&name);
             }
         }
         write_json(&mut folder, "report.json", &report)?;

@@ -95,7 +95,7 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
         leave_out_other_frames(&mut folder, arguments, frames.len());
 
         if arguments.no_picture {
-            folder.leave_out("picture.png");
+            folder.remove_stale("picture.png");
         } else {
             let (spinner, drawn) = (bars.spinner("picture"), Instant::now());
             let picture = picture(&grown)?;
@@ -140,7 +140,7 @@ fn leave_out_other_frames(folder: &mut OutputFolder, arguments: &GrowArguments, 
         let drawn = if arguments.no_picture { 0 } else { frames };
         if number(".obj").is_some_and(|n| n >= frames) || number(".png").is_some_and(|n| n >= drawn)
         {
-            folder.leave_out(&name);
+            folder.remove_stale(&name);
         }
     }
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::picture::{Image, write_png};
 use plisse::{Error, Result};
 use plisse_live::camera::Camera;
@@ -260,7 +260,7 @@ fn leave_out_others(folder: &mut OutputFolder, path: &std::path::Path, frames: u
             .and_then(|n| n.strip_suffix(".png"))
             .and_then(|n| n.parse::<usize>().ok());
         if number.is_some_and(|n| n >= frames) {
-            folder.leave_out(&name);
+            folder.remove_stale(&name);
         }
     }
 }

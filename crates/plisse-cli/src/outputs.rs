@@ -1,7 +1,7 @@
 //! The files that a run leaves.
 
 use plisse::Result;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::mesh::{Topology, Up, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::picture::{Camera, Image, Paint, PanelView, Subject, draw_among};

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, solve};
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::linalg::Ending;
 use plisse::mesh::{Topology, Up};
 use plisse::scene::Measured;
@@ -57,7 +57,7 @@ pub(crate) fn with_threads<T: Send>(
 }
 
 /// Takes the terms named on the command line out of `field`.
-pub(crate) fn leave_out(field: &mut FieldOptions, names: &[String]) -> Result<()> {
+pub(crate) fn remove_stale(field: &mut FieldOptions, names: &[String]) -> Result<()> {
     for name in names {
         if name == "relaxed-integrability" {
             field.relaxed_integrability = false;
@@ -148,7 +148,7 @@ pub(crate) fn finish(
         Some(picture) => {
             folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?
         }
-        None => folder.leave_out("picture.png"),
+        None => folder.remove_stale("picture.png"),
     }
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {

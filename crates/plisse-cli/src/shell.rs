@@ -4,7 +4,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::io::{glb, obj};
 use plisse::linalg::Ending;
 use plisse::mesh::normals::vertex_normals;
@@ -168,7 +168,7 @@ fn write(
     let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
     folder.write("shell.glb", |out| glb::write(out, &mesh, CLOTH, Up::Z))?;
     if arguments.no_picture {
-        folder.leave_out("picture.png");
+        folder.remove_stale("picture.png");
     } else {
         let picture = picture(built, start, pose);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;

@@ -8,7 +8,7 @@ use plisse::mesh::Up;
 use plisse::scene;
 
 use crate::arguments::SolveArguments;
-use crate::pipeline::{Job, check_levels, finish, leave_out, open_output, with_threads};
+use crate::pipeline::{Job, check_levels, finish, remove_stale, open_output, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 
@@ -16,7 +16,7 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     let begun = Instant::now();
     let scene = scene::read(&arguments.scene)?;
     let mut built = scene::build(&scene)?;
-    leave_out(&mut built.field, &arguments.output.without)?;
+    remove_stale(&mut built.field, &arguments.output.without)?;
     match arguments.output.levels {
         Some(levels) => check_levels("--levels", Some(levels as usize), &built.topology)?,
         None => check_levels(

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use plisse::field::FieldOptions;
 use plisse::io::clamp_file::read_clamped_vertices;
-use plisse::io::worn;
+use plisse::io::garment;
 use plisse::material::Material;
 use plisse::mesh::islands::panel_texture;
 use plisse::rest::RestMetric;
@@ -13,7 +13,7 @@ use plisse::wrinkled::Posed;
 use plisse::{At, Result};
 
 use crate::arguments::WrinkleArguments;
-use crate::pipeline::{Job, check_levels, finish, leave_out, open_output, with_threads};
+use crate::pipeline::{Job, check_levels, finish, open_output, remove_stale, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 
@@ -21,18 +21,19 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     let begun = Instant::now();
     let material = Material::new(arguments.young, arguments.poisson, arguments.thickness)?;
     let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };
-    leave_out(&mut field, &arguments.output.without)?;
-    let worn = worn::read(&arguments.pose, worn::Rest::File(&arguments.rest), 1.0)?;
+    remove_stale(&mut field, &arguments.output.without)?;
+    let garment = garment::read(&arguments.pose, garment::RestSource::File(&arguments.rest), 1.0)?;
     let metric =
-        RestMetric::from_shape(&worn.rest_positions, &worn.rest_faces).at(&arguments.rest)?;
-    let topology = &worn.topology;
+        RestMetric::from_shape(&garment.rest_positions, &garment.rest_faces).at(&arguments.rest)?;
+    let topology = &garment.topology;
     let mut held = vec![false; topology.vertex_count];
     if let Some(path) = &arguments.clamp {
-        for v in read_clamped_vertices(path, worn.vertex_of_input.len())? {
-            held[worn.vertex_of_input[v]] = true;
+        for v in read_clamped_vertices(path, garment.vertex_of_input.len())? {
+            held[garment.vertex_of_input[v]] = true;
         }
     }
-    let texture = worn.texture.or_else(|| panel_texture(&worn.rest_positions, &worn.rest_faces));
+    let texture =
+        garment.texture.or_else(|| panel_texture(&garment.rest_positions, &garment.rest_faces));
     check_levels("--levels", arguments.output.levels.map(|levels| levels as usize), topology)?;
     let folder = open_output(&arguments.output, &arguments.pose)?;
     let bars = Bars::new(interrupted);
@@ -40,9 +41,9 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
         let posed = Posed {
             topology,
             rest: &metric,
-            rest_shape: (&worn.rest_positions, &worn.rest_faces),
+            rest_shape: (&garment.rest_positions, &garment.rest_faces),
             texture,
-            pose: &worn.positions,
+            pose: &garment.positions,
             material: &material,
             curvature_rings: field.curvature_rings,
             obstacles: (&[], 0.0),
@@ -58,7 +59,7 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
             field,
             up: arguments.up,
             base: None,
-            notes: worn.notes,
+            notes: garment.notes,
         };
         finish(job, &arguments.output, folder, &bars, interrupted, begun, |_, _| Vec::new())
     })

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use egui::{CentralPanel, Panel, ScrollArea, Ui};
-use plisse::io::aside::OutputFolder;
 use plisse::io::disk;
+use plisse::io::staged::OutputFolder;
 use plisse_live::Vec2;
 
 use crate::commands::Command;

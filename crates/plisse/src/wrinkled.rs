@@ -4,7 +4,7 @@
 use crate::Result;
 use crate::field::curvature::second_forms;
 use crate::field::{WrinkleField, json};
-use crate::io::aside::OutputFolder;
+use crate::io::staged::OutputFolder;
 use crate::io::{glb, obj};
 use crate::material::Material;
 use crate::mesh::normals::vertex_normals;

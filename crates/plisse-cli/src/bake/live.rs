@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::{Error, Result};
 use plisse_live::bake;
 use plisse_live::play::Player;

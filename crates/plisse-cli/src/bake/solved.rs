@@ -5,8 +5,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use plisse::bake::{Surface, bake, field_sampler};
-use plisse::io::aside::OutputFolder;
 use plisse::io::obj;
+use plisse::io::staged::OutputFolder;
 use plisse::mesh::Topology;
 use plisse::mesh::normals::vertex_normals;
 use plisse::{At, Error, Result};

@@ -3,7 +3,7 @@
 use std::io;
 
 use plisse::Result;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::picture::Image;
 
 /// Most frames a second that browsers play.
@@ -57,7 +57,7 @@ impl Film {
     /// Writes animation.png; nothing for a single frame.
     pub(super) fn write(self, folder: &mut OutputFolder) -> Result<()> {
         if self.frames.len() < 2 {
-            folder.leave_out("animation.png");
+            folder.remove_stale("animation.png");
             return Ok(());
         }
         folder.write("animation.png", |out| {

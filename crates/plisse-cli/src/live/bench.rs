@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::Result;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse_gpu::{Character, Gpu, Live, Painter, STAGES, memory_speed};
 use plisse_live::camera::Camera;
 use plisse_live::crush::{CrushInput, crush};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use plisse::Result;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse_gpu::STAGES;
 use plisse_live::model::Clip;
 use serde_json::json;

@@ -16,7 +16,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::{Error, Result};
 
 use crate::arguments::{StudyArguments, StudyName};

@@ -288,7 +288,7 @@ fn write(path: &Path, image: &ColorImage) -> Result<()> {
     let image = Image { width: image.size[0], height: image.size[1], pixels };
     let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
     let mut folder =
-        plisse::io::aside::OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
+        plisse::io::staged::OutputFolder::create(path.parent().unwrap_or(Path::new(".")))?;
     folder.write(name, |out| plisse::picture::write_png(&image, out))?;
     folder.commit().map(|_| ())
 }

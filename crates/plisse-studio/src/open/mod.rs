@@ -164,7 +164,7 @@ pub fn save(document: &Document, path: &Path) -> Result<()> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let text = text(document, folder);
     let name = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-    let mut out = plisse::io::aside::OutputFolder::create(folder)?;
+    let mut out = plisse::io::staged::OutputFolder::create(folder)?;
     out.write(name, |file| file.write_all(text.as_bytes()))?;
     out.commit()?;
     Ok(())

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use plisse::bake::{Options, png16};
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::io::{glb, obj, ply};
 use plisse::mesh::{Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;

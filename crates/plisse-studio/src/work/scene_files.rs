@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use plisse::field::solve;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::mesh::Up;
 use plisse::progress::Observer;
 use plisse::{Error, Result};

@@ -1,5 +1,4 @@
-//! Where files are: on the disk, or in a web page, which has none, in a [`Store`]. All that is read
-//! by path is read here.
+//! Reading by path: from the disk, or in a web page, which has none, from a [`Store`].
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +8,7 @@ use std::time::SystemTime;
 use super::store::Store;
 use crate::{Error, Result};
 
-/// Whether files are in memory only.
+/// True if files are in memory only.
 pub const IN_MEMORY: bool = cfg!(target_arch = "wasm32");
 
 static STORE: Mutex<Store> = Mutex::new(Store::new());
@@ -38,12 +37,12 @@ pub fn read_text(path: impl AsRef<Path>) -> io::Result<String> {
     })
 }
 
-/// Whether there is a file (not a folder) of that name.
+/// True if there is a file (not a folder) of that name.
 pub fn has(path: &Path) -> bool {
     if IN_MEMORY { store().has(path) } else { path.is_file() }
 }
 
-/// Takes a file away.
+/// Removes a file.
 ///
 /// # Errors
 /// Those of the system.
@@ -51,12 +50,12 @@ pub fn remove(path: &Path) -> io::Result<()> {
     if IN_MEMORY { store().remove(path) } else { std::fs::remove_file(path) }
 }
 
-/// When a file was changed, where that can be told.
+/// Time at which a file was last changed, where that is known.
 pub fn modified(path: &Path) -> Option<SystemTime> {
     if IN_MEMORY { None } else { std::fs::metadata(path).and_then(|m| m.modified()).ok() }
 }
 
-/// Names in a folder, and whether each is a folder too.
+/// Names in a folder, each with `true` if it is a folder too.
 ///
 /// # Errors
 /// Those of the system.
@@ -70,7 +69,7 @@ pub fn list(folder: &Path) -> io::Result<Vec<(String, bool)>> {
         .collect())
 }
 
-/// The whole of a path, from the root.
+/// The absolute path of `path`.
 pub fn whole(path: &Path) -> PathBuf {
     if IN_MEMORY {
         Path::new("/").join(path)
@@ -79,7 +78,7 @@ pub fn whole(path: &Path) -> PathBuf {
     }
 }
 
-/// Whether `name` can be that of an output.
+/// Checks that `name` can be that of an output.
 ///
 /// # Errors
 /// [`Error::Value`] if it is not a plain file name.

@@ -1,4 +1,4 @@
-//! Files by name, in memory: what stands in for a disk where a program has none.
+//! Files by name, in memory: the disk of a program that has none.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -8,12 +8,12 @@ use std::path::{Component, Path, PathBuf};
 #[derive(Debug, Default)]
 pub struct Store {
     files: BTreeMap<PathBuf, Vec<u8>>,
-    /// What was written since somebody asked, in that order.
+    /// Files written since the last [`Store::take_written`], in that order.
     written: Vec<PathBuf>,
 }
 
 impl Store {
-    /// An empty one.
+    /// An empty store.
     pub const fn new() -> Self {
         Self { files: BTreeMap::new(), written: Vec::new() }
     }
@@ -31,7 +31,7 @@ impl Store {
         self.files.insert(path, bytes);
     }
 
-    /// What was written since the last call.
+    /// Files written since the last call, in that order.
     pub fn take_written(&mut self) -> Vec<PathBuf> {
         std::mem::take(&mut self.written)
     }
@@ -44,12 +44,12 @@ impl Store {
         self.files.get(&plain(path)).cloned().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    /// Whether a file of that name is there.
+    /// True if there is a file of that name.
     pub fn has(&self, path: &Path) -> bool {
         self.files.contains_key(&plain(path))
     }
 
-    /// Takes a file out.
+    /// Removes a file.
     ///
     /// # Errors
     /// As [`Store::read`].
@@ -57,7 +57,7 @@ impl Store {
         self.files.remove(&plain(path)).map(|_| ()).ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    /// What is in a folder, in the order of names, and whether each is a folder too.
+    /// Names in a folder, in their order, each with `true` if it is a folder too.
     pub fn list(&self, folder: &Path) -> Vec<(String, bool)> {
         let folder = plain(folder);
         let inside = self.files.keys().filter_map(|path| {

@@ -118,7 +118,7 @@ impl Built {
 /// [`Panel::new`]), sewn sides that do not start at the same place, a file that cannot be opened, a
 /// box without vertices, pressure in an open surface, clamps that contradict each other, a surface
 /// or a part of it that nothing holds in some direction, a measure whose line misses its panel.
-/// [`Error::Mesh`] with the file for what [`sew`], [`worn::read`] or [`Obstacle::mesh`] refuses,
+/// [`Error::Mesh`] with the file for what [`sew`], [`garment::read`] or [`Obstacle::mesh`] refuses,
 /// [`Error::Parse`] for a file that is no OBJ file.
 ///
 /// [`Error::Value`]: crate::Error::Value
@@ -126,7 +126,7 @@ impl Built {
 /// [`Error::Parse`]: crate::Error::Parse
 /// [`Panel::new`]: crate::mesh::panel::Panel::new
 /// [`sew`]: crate::mesh::sew::sew
-/// [`worn::read`]: crate::io::worn::read
+/// [`garment::read`]: crate::io::garment::read
 pub fn build(scene: &Scene) -> Result<Built> {
     build_unplaced(scene).at(&scene.file)
 }

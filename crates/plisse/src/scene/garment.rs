@@ -7,7 +7,7 @@ use std::path::Path;
 use super::laid::Laid;
 use super::schema::{MeshTable, Scene};
 use super::value::{not_blank_path, positive};
-use crate::io::worn::{self, Rest};
+use crate::io::garment::{self, RestSource};
 use crate::io::{obj, ply_mesh};
 use crate::mesh::check::{check_rest_faces, weld};
 use crate::mesh::{Topology, Vec2, Vec3};
@@ -68,27 +68,27 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     };
     let rest_path = table.rest.as_deref().map(|rest| scene.beside(rest));
     let rest = match &rest_path {
-        Some(path) => Rest::File(path),
-        None => Rest::Texture { metres_per_uv: table.metres_per_uv.unwrap_or(1.0) },
+        Some(path) => RestSource::File(path),
+        None => RestSource::Texture { metres_per_uv: table.metres_per_uv.unwrap_or(1.0) },
     };
     let worn_path = scene.beside(worn_path);
-    let worn = worn::read(&worn_path, rest, table.metres_per_unit).map_err(|error| {
+    let garment = garment::read(&worn_path, rest, table.metres_per_unit).map_err(|error| {
         let is_rest =
             matches!(&error, Error::File { path, .. } if Some(path) == rest_path.as_ref());
         error.at(if is_rest { "mesh.rest" } else { "mesh.worn" })
     })?;
     Ok(Laid {
-        topology: worn.topology,
-        rest_positions: worn.rest_positions,
-        rest_faces: worn.rest_faces,
-        start: worn.positions,
+        topology: garment.topology,
+        rest_positions: garment.rest_positions,
+        rest_faces: garment.rest_faces,
+        start: garment.positions,
         vertex_of_rest: Vec::new(),
         panels: Vec::new(),
         sides: Vec::new(),
         chart: None,
-        texture: worn.texture,
-        attributes: worn.colours.map_or_else(Vec::new, |colours| attributes_of(&colours)),
-        notes: worn.notes,
+        texture: garment.texture,
+        attributes: garment.colours.map_or_else(Vec::new, |colours| attributes_of(&colours)),
+        notes: garment.notes,
     })
 }
 

@@ -75,7 +75,7 @@ pub enum Pattern {
 
 /// `[mesh]`: a surface from files; either its start, which is also its rest shape, or a garment as
 /// pattern programs export it, see
-/// [`crate::io::worn`].
+/// [`crate::io::garment`].
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeshTable {

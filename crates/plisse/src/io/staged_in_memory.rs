@@ -1,5 +1,5 @@
-//! A folder for the outputs of one run where files are in memory: they appear together at the end,
-//! or not at all.
+//! The staged output folder where files are in memory: the files of a run appear together at its
+//! end, or not at all.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 use super::disk;
 use crate::{Error, Result};
 
-/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped
-/// before, nothing has changed.
+/// Staged files of a folder. They appear with [`OutputFolder::commit`]; if this is dropped before,
+/// nothing has changed.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    waiting: Vec<(String, Vec<u8>)>,
-    leaving: Vec<String>,
+    staged: Vec<(String, Vec<u8>)>,
+    stale: Vec<String>,
 }
 
 impl OutputFolder {
@@ -25,20 +25,21 @@ impl OutputFolder {
         if disk::store().has(path) {
             return Err(Error::writing(path, io::ErrorKind::NotADirectory.into()));
         }
-        Ok(Self { path: path.to_path_buf(), waiting: Vec::new(), leaving: Vec::new() })
+        Ok(Self { path: path.to_path_buf(), staged: Vec::new(), stale: Vec::new() })
     }
 
-    /// Writes a file that will be called `name`, in place of one of that name that waits already.
+    /// Stages a file that will be called `name`, in place of one staged under that name before.
     ///
     /// # Errors
-    /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with [`io::ErrorKind::InvalidData`]; else [`Error::File`].
+    /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with
+    /// [`io::ErrorKind::InvalidData`]; else [`Error::File`].
     pub fn write(
         &mut self,
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<()> {
         disk::check_name(name)?;
-        self.waiting.retain(|(n, _)| n != name);
+        self.staged.retain(|(n, _)| n != name);
         let mut bytes = Vec::new();
         write(&mut bytes).map_err(|source| {
             let path = self.path.join(name);
@@ -49,28 +50,28 @@ impl OutputFolder {
                 _ => Error::writing(&path, source),
             }
         })?;
-        self.waiting.push((name.to_owned(), bytes));
+        self.staged.push((name.to_owned(), bytes));
         Ok(())
     }
 
-    /// Has the file `name` of an earlier run taken away when the new files appear.
-    pub fn leave_out(&mut self, name: &str) {
-        self.leaving.push(name.to_owned());
+    /// Removes the file `name` of an earlier run when the new files appear.
+    pub fn remove_stale(&mut self, name: &str) {
+        self.stale.push(name.to_owned());
     }
 
-    /// Lets all files appear under their names; returns their paths in the order of writing.
+    /// Puts all staged files under their names; returns their paths in the order of writing.
     ///
     /// # Errors
     /// [`Error::File`] if a folder has the name of a file.
     pub fn commit(self) -> Result<Vec<PathBuf>> {
         let mut store = disk::store();
         let paths: Vec<PathBuf> =
-            self.waiting.iter().map(|(name, _)| self.path.join(name)).collect();
+            self.staged.iter().map(|(name, _)| self.path.join(name)).collect();
         if let Some(path) = paths.iter().find(|path| !store.list(path).is_empty()) {
             return Err(Error::writing(path, io::ErrorKind::IsADirectory.into()));
         }
-        paths.iter().zip(self.waiting).for_each(|(path, (_, bytes))| store.write(path, bytes));
-        for name in &self.leaving {
+        paths.iter().zip(self.staged).for_each(|(path, (_, bytes))| store.write(path, bytes));
+        for name in &self.stale {
             // It need not have been there.
             let _ = store.remove(&self.path.join(name));
         }
@@ -84,13 +85,13 @@ mod tests {
 
     #[test]
     fn files_appear_together_or_not_at_all() {
-        let place = Path::new("aside-in-memory");
+        let place = Path::new("staged-in-memory");
         let file = |name: &str| disk::store().read(&place.join(name)).ok();
         disk::store().put(&place.join("old.txt"), b"old".to_vec());
         for commit in [false, true] {
             let mut folder = OutputFolder::create(place).unwrap();
-            folder.leave_out("old.txt");
-            folder.leave_out("never-there.txt");
+            folder.remove_stale("old.txt");
+            folder.remove_stale("never-there.txt");
             folder.write("a.txt", |out| out.write_all(b"first")).unwrap();
             folder.write("a.txt", |out| out.write_all(b"second")).unwrap();
             let error = folder
@@ -112,7 +113,7 @@ mod tests {
         );
         assert!(OutputFolder::create(&place.join("a.txt")).is_err(), "a file is no folder");
         let mut above = OutputFolder::create(Path::new("")).unwrap();
-        above.write("aside-in-memory", |_| Ok(())).unwrap();
+        above.write("staged-in-memory", |_| Ok(())).unwrap();
         assert!(above.commit().is_err(), "a folder is no file");
     }
 }

@@ -1,7 +1,7 @@
-//! A mesh as it is worn, with its rest shape: the pair of files that pattern programs and
+//! A garment: a posed mesh with its rest shape, the pair of files that pattern programs and
 //! simulators export.
 //!
-//! Both have the same faces in the same order. The worn mesh is welded where its file keeps
+//! Both have the same faces in the same order. The posed mesh is welded where its file keeps
 //! vertices twice along seams; the rest shape keeps its own vertices, because rest lengths belong
 //! to faces.
 
@@ -13,121 +13,144 @@ use crate::mesh::check::{check_rest_faces, weld};
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::{At, Error, Result};
 
-/// Where the rest shape of a worn mesh comes from.
+/// The source of a garment's rest shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rest<'a> {
+pub enum RestSource<'a> {
     /// An OBJ file with the same faces in the same order: flat pieces or any unstrained shape,
     /// possibly with more vertices.
     File(&'a Path),
-    /// The texture coordinates of the worn mesh, which are flat pieces.
+    /// The texture coordinates of the posed mesh, which are flat pieces.
     Texture {
         /// Length of one unit of texture (m).
         metres_per_uv: f64,
     },
 }
 
-/// A worn mesh. V vertices, F faces, R rest vertices.
+/// A posed mesh with its rest shape. V vertices, F faces, R rest vertices.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Worn {
+pub struct Garment {
     /// Connectivity of the welded mesh.
     pub topology: Topology,
-    /// `[V]` where it is (m).
+    /// `[V]` pose (m).
     pub positions: Vec<Vec3>,
-    /// `[vertices of the file]` welded vertex for each.
+    /// `[vertices of the file]` welded vertex of each.
     pub vertex_of_input: Vec<usize>,
     /// `[R]` rest vertices (m).
     pub rest_positions: Vec<Vec3>,
     /// `[F][3]` rest vertices of each face, corner by corner.
     pub rest_faces: Vec<[usize; 3]>,
-    /// `[V]` red, green and blue of the worn file's vertices, if it has them.
+    /// `[V]` red, green and blue of the posed file's vertices, if it has them.
     pub colours: Option<Vec<[f64; 3]>>,
-    /// Texture coordinates (v up) and those of each face's corners, of the worn file or else of the
-    /// rest file.
+    /// Texture coordinates (v up) and those of each face's corners, of the posed file or else of
+    /// the rest file.
     pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
-    /// What was passed over, mended, welded or cut, a sentence each with the file.
+    /// Remarks about what was passed over, fixed, welded or cut: a sentence each, with the file.
     pub notes: Vec<String>,
 }
 
-/// Reads the worn mesh at `path` and its rest shape. Coordinates of both files (not of texture) are
-/// multiplied by `metres_per_unit`.
+/// Reads the posed mesh at `path` and its rest shape. Coordinates of both files (not of texture)
+/// are multiplied by `metres_per_unit`.
 ///
 /// # Errors
 /// Those of [`obj::read`] and [`obj::read_pose`]; [`Error::Mesh`] with the file for: files with
-/// different numbers of triangles, a worn mesh without texture coordinates where they are the rest
+/// different numbers of triangles, a posed mesh without texture coordinates where they are the rest
 /// shape, a rest face without area or flipped against its panel, and what [`Topology::new`] finds
 /// in the welded mesh.
-pub fn read(path: &Path, rest: Rest<'_>, metres_per_unit: f64) -> Result<Worn> {
+pub fn read(path: &Path, rest: RestSource<'_>, metres_per_unit: f64) -> Result<Garment> {
     let name = path.display().to_string();
-    let mut notes = Vec::new();
-    let (worn, rest_name, mut rest_positions, rest_faces, mut rest_texture) = match rest {
-        Rest::File(rest_path) => {
-            let rest = obj::read(rest_path)?;
-            let worn = obj::read_pose(path, &rest)?;
-            let rest_name = rest_path.display().to_string();
-            notes.extend(rest.warnings.iter().map(|w| format!("{rest_name}: {w}")));
-            let texture = rest.texture_faces.map(|faces| (rest.texture_coordinates, faces));
-            (worn, rest_name, rest.positions, rest.faces, texture)
-        }
-        Rest::Texture { metres_per_uv } => {
-            let worn = obj::read(path)?;
-            let Some(faces) = worn.texture_faces.clone() else {
-                let message = "its faces have no texture coordinates to take the rest shape from; \
-                    export it with them, or give a rest mesh";
-                return Err(Error::mesh(name, message));
-            };
-            let flat = worn
-                .texture_coordinates
-                .iter()
-                .map(|t| Vec3::new(t.x, t.y, 0.0) * metres_per_uv)
-                .collect();
-            (worn, format!("{name}, texture coordinates"), flat, faces, None)
-        }
-    };
-    if rest_faces.len() != worn.faces.len() {
-        let problem = MeshError::FaceCountsDiffer {
-            rest_faces: rest_faces.len(),
-            pose: name,
-            pose_faces: worn.faces.len(),
-        };
-        return Err(Error::from(problem).at(&rest_name));
-    }
-    check_rest_faces(&rest_positions, &rest_faces).at(&rest_name)?;
-    let mut welded = weld(&worn.positions, &worn.faces);
+    let Pair { posed, mut rest_positions, rest_faces, rest_texture, mut notes } =
+        read_pair(path, rest)?;
+    let mut welded = weld(&posed.positions, &posed.faces);
     let topology = Topology::new(welded.positions.len(), welded.faces).at(&name)?;
     if metres_per_unit != 1.0 {
         welded.positions.iter_mut().for_each(|p| *p *= metres_per_unit);
-        if let Rest::File(_) = rest {
+        if let RestSource::File(_) = rest {
             rest_positions.iter_mut().for_each(|p| *p *= metres_per_unit);
         }
     }
-    notes.extend(worn.warnings.iter().map(|w| format!("{name}: {w}")));
-    let merged = worn.positions.len() - topology.vertex_count;
+    notes.extend(posed.warnings.iter().map(|w| format!("{name}: {w}")));
+    let merged = posed.positions.len() - topology.vertex_count;
     if merged > 0 {
         notes.push(format!("{merged} vertices of {name} at the same place as others were welded"));
     }
-    if !worn.cuts.is_empty() {
-        notes.push(format!("{} polygons of {name} were cut into triangles", worn.cuts.len()));
+    if !posed.cuts.is_empty() {
+        notes.push(format!("{} polygons of {name} were cut into triangles", posed.cuts.len()));
     }
-    if let Some(faces) = worn.texture_faces {
-        rest_texture = Some((worn.texture_coordinates, faces));
-    }
+    let own_texture = posed.texture_faces.map(|faces| (posed.texture_coordinates, faces));
     let (positions, vertex_of_input) = (welded.positions, welded.vertex_of_input);
     // Where several became one, the last one's.
-    let colours = worn.colours.map(|own| {
+    let colours = posed.colours.map(|own| {
         let mut colours = vec![[0.0; 3]; positions.len()];
         own.iter().zip(&vertex_of_input).for_each(|(colour, &v)| colours[v] = *colour);
         colours
     });
-    Ok(Worn {
+    Ok(Garment {
         topology,
         positions,
         vertex_of_input,
         rest_positions,
         rest_faces,
         colours,
-        texture: rest_texture,
+        texture: own_texture.or(rest_texture),
         notes,
     })
+}
+
+/// The two shapes as they stand in their files.
+struct Pair {
+    posed: obj::Obj,
+    rest_positions: Vec<Vec3>,
+    rest_faces: Vec<[usize; 3]>,
+    /// Texture coordinates of the rest file and those of each face's corners.
+    rest_texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    notes: Vec<String>,
+}
+
+/// Reads both shapes and checks the rest shape, and that the two have the same number of faces.
+fn read_pair(path: &Path, rest: RestSource<'_>) -> Result<Pair> {
+    let name = path.display().to_string();
+    let (rest_name, pair) = match rest {
+        RestSource::File(rest_path) => {
+            let rest = obj::read(rest_path)?;
+            let posed = obj::read_pose(path, &rest)?;
+            let rest_name = rest_path.display().to_string();
+            let notes = rest.warnings.iter().map(|w| format!("{rest_name}: {w}")).collect();
+            let pair = Pair {
+                posed,
+                rest_positions: rest.positions,
+                rest_faces: rest.faces,
+                rest_texture: rest.texture_faces.map(|faces| (rest.texture_coordinates, faces)),
+                notes,
+            };
+            (rest_name, pair)
+        }
+        RestSource::Texture { metres_per_uv } => {
+            let posed = obj::read(path)?;
+            let Some(rest_faces) = posed.texture_faces.clone() else {
+                let message = "its faces have no texture coordinates to take the rest shape from; \
+                    export it with them, or give a rest mesh";
+                return Err(Error::mesh(name, message));
+            };
+            let rest_positions = posed
+                .texture_coordinates
+                .iter()
+                .map(|t| Vec3::new(t.x, t.y, 0.0) * metres_per_uv)
+                .collect();
+            let pair =
+                Pair { posed, rest_positions, rest_faces, rest_texture: None, notes: Vec::new() };
+            (format!("{name}, texture coordinates"), pair)
+        }
+    };
+    if pair.rest_faces.len() != pair.posed.faces.len() {
+        let problem = MeshError::FaceCountsDiffer {
+            rest_faces: pair.rest_faces.len(),
+            pose: name,
+            pose_faces: pair.posed.faces.len(),
+        };
+        return Err(Error::from(problem).at(&rest_name));
+    }
+    check_rest_faces(&pair.rest_positions, &pair.rest_faces).at(&rest_name)?;
+    Ok(pair)
 }
 
 #[cfg(test)]
@@ -140,7 +163,7 @@ mod tests {
     const FLAT: &str = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 3 1 0\nv 3 0 0\nv 2 1 0\nf 1 3 2\nf 4 6 5\n";
 
     /// The pair read from files with this text.
-    fn pair(test: &str, worn: &str, rest: &str, metres_per_unit: f64) -> Result<Worn> {
+    fn pair(test: &str, worn: &str, rest: &str, metres_per_unit: f64) -> Result<Garment> {
         let folder =
             std::env::temp_dir().join(format!("plisse-worn-{test}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
@@ -148,9 +171,9 @@ mod tests {
         std::fs::write(&worn_path, worn).unwrap();
         std::fs::write(&rest_path, rest).unwrap();
         let rest = if rest.is_empty() {
-            Rest::Texture { metres_per_uv: 2.0 }
+            RestSource::Texture { metres_per_uv: 2.0 }
         } else {
-            Rest::File(&rest_path)
+            RestSource::File(&rest_path)
         };
         let read = read(&worn_path, rest, metres_per_unit);
         std::fs::remove_dir_all(&folder).unwrap();

@@ -1,8 +1,8 @@
-//! A folder for the outputs of one run: files are written aside and renamed together at the end, so
-//! that nothing half-written ever appears under its own name, and the outputs of an earlier run
-//! stay until new ones are complete.
+//! A staged output folder: the files of a run are written under temporary names and renamed together
+//! at its end, so that nothing half-written ever appears under its own name, and the outputs of an
+//! earlier run stay until new ones are complete.
 //!
-//! A file `name` waits as `.name.<process>.part`. Limits: the renames follow each other at once but
+//! A staged file `name` is called `.name.<process>.part`. Limits: the renames follow each other at once but
 //! are not one step for the operating system; one process should have one [`OutputFolder`] for a
 //! folder at a time.
 
@@ -12,22 +12,21 @@ use std::path::{Path, PathBuf};
 
 use crate::{Error, Result};
 
-/// Files on their way into a folder. They appear with [`OutputFolder::commit`]; if this is dropped
-/// before, nothing has changed.
+/// Staged files of a folder. They appear with [`OutputFolder::commit`]; if this is dropped before,
+/// nothing has changed.
 #[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
-    /// Names of the files that wait, in the order in which they were written.
-    waiting: Vec<String>,
-    /// Names of files of earlier runs that are to go when the new ones appear.
-    leaving: Vec<String>,
-    /// Folders that were made for this one, innermost first.
+    /// Names of the staged files, in the order in which they were written.
+    staged: Vec<String>,
+    /// Names of files of earlier runs, to be removed when the new ones appear.
+    stale: Vec<String>,
+    /// Folders that were created for this one, innermost first.
     made: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    /// Makes the folder `path` if it is missing, with its parents, and proves that files can be
-    /// written in it, by doing so.
+    /// Creates the folder `path` if it is missing, with its parents, and writes a trial file in it.
     ///
     /// # Errors
     /// [`Error::File`] if that cannot be done.
@@ -36,8 +35,7 @@ impl OutputFolder {
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         let is_missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(is_missing).map(Path::to_path_buf).collect();
-        let folder =
-            Self { path: path.to_path_buf(), waiting: Vec::new(), leaving: Vec::new(), made };
+        let folder = Self { path: path.to_path_buf(), staged: Vec::new(), stale: Vec::new(), made };
         let trial = folder.part("trial");
         let attempt = fs::create_dir_all(path).and_then(|()| {
             new_file(&trial)?.write_all(b"trial")?;
@@ -50,21 +48,21 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// Writes a file that will be called `name`, by calling `write` with a buffered writer. A file
-    /// of that name that waits already is replaced; parts of that name left by runs that have died
+    /// Stages a file that will be called `name`, by calling `write` with a buffered writer. A file
+    /// staged under that name before is replaced; parts of that name left by runs that have died
     /// are removed.
     ///
     /// # Errors
-    /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with [`io::ErrorKind::InvalidData`] (what was to
-    /// be written is at fault, not the disk); else [`Error::File`]. The file does not wait then;
-    /// others still do.
+    /// [`Error::Value`] if `name` is not a plain file name, or if `write` fails with
+    /// [`io::ErrorKind::InvalidData`] (the contents are at fault, not the disk); else
+    /// [`Error::File`]. The file is not staged then; others still are.
     pub fn write(
         &mut self,
         name: &str,
         write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<()> {
         super::disk::check_name(name)?;
-        self.waiting.retain(|n| n != name);
+        self.staged.retain(|n| n != name);
         let part = self.part(name);
         let attempt = self.remove_dead_parts(name).and_then(|()| {
             let mut buffered = BufWriter::new(new_file(&part)?);
@@ -81,38 +79,39 @@ impl OutputFolder {
                 _ => Error::writing(&path, source),
             });
         }
-        self.waiting.push(name.to_string());
+        self.staged.push(name.to_string());
         Ok(())
     }
 
-    /// Has the file `name` of an earlier run taken away when the new files appear, so that it is
-    /// not mistaken for one of them.
-    pub fn leave_out(&mut self, name: &str) {
-        self.leaving.push(name.to_string());
+    /// Removes the file `name` of an earlier run when the new files appear, so that it is not
+    /// mistaken for one of them.
+    pub fn remove_stale(&mut self, name: &str) {
+        self.stale.push(name.to_string());
     }
 
-    /// Lets all files appear under their names, in place of those that were there; returns their
+    /// Renames all staged files to their names, in place of those that were there; returns their
     /// paths in the order of writing.
     ///
     /// # Errors
-    /// [`Error::File`] before anything is renamed if a folder has the name of a file or a part is gone; or if a rename fails.
+    /// [`Error::File`] before anything is renamed if a folder has the name of a file or a part is
+    /// gone; or if a rename fails.
     pub fn commit(mut self) -> Result<Vec<PathBuf>> {
-        let paths: Vec<PathBuf> = self.waiting.iter().map(|name| self.path.join(name)).collect();
-        for (name, path) in self.waiting.iter().zip(&paths) {
+        let paths: Vec<PathBuf> = self.staged.iter().map(|name| self.path.join(name)).collect();
+        for (name, path) in self.staged.iter().zip(&paths) {
             if path.is_dir() {
                 return Err(Error::writing(path, io::ErrorKind::IsADirectory.into()));
             }
             fs::metadata(self.part(name)).map_err(|source| Error::writing(path, source))?;
         }
-        for (name, path) in self.waiting.iter().zip(&paths) {
+        for (name, path) in self.staged.iter().zip(&paths) {
             fs::rename(self.part(name), path).map_err(|source| Error::writing(path, source))?;
         }
-        for name in &self.leaving {
+        for name in &self.stale {
             fs::remove_file(self.path.join(name)).ok();
         }
         // So that the names outlast a power cut too, where the system can do that.
         File::open(&self.path).and_then(|folder| folder.sync_all()).ok();
-        self.waiting.clear();
+        self.staged.clear();
         self.made.clear();
         Ok(paths)
     }
@@ -135,7 +134,7 @@ impl OutputFolder {
 
 impl Drop for OutputFolder {
     fn drop(&mut self) {
-        for name in &self.waiting {
+        for name in &self.staged {
             fs::remove_file(self.part(name)).ok();
         }
         // A folder that something else was put in stays: only empty ones can be removed so.
@@ -145,7 +144,7 @@ impl Drop for OutputFolder {
     }
 }
 
-/// A file that nobody else has; a dead run with our process number may have left one.
+/// A new file; one that a dead run with this process number left is replaced.
 fn new_file(path: &Path) -> io::Result<File> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -164,7 +163,7 @@ fn process_of(file: &str, name: &str) -> Option<u32> {
         .ok()
 }
 
-/// Whether the run that wrote a part has ended: its process is gone, or, where that cannot be seen,
+/// True if the run that wrote a part has ended: its process is gone, or, where that cannot be seen,
 /// the part is a day old. (A run on another computer that shares the folder looks gone too.)
 fn is_dead(process: u32, part: &fs::DirEntry) -> bool {
     let processes = Path::new("/proc");
@@ -185,7 +184,7 @@ mod tests {
     impl Place {
         fn new(test: &str) -> Self {
             let path =
-                std::env::temp_dir().join(format!("plisse-aside-{test}-{}", std::process::id()));
+                std::env::temp_dir().join(format!("plisse-staged-{test}-{}", std::process::id()));
             fs::remove_dir_all(&path).ok();
             fs::create_dir_all(&path).unwrap();
             Self(path)
@@ -329,13 +328,13 @@ mod tests {
 
     #[test]
     fn a_file_that_is_left_out_goes_only_with_the_commit() {
-        let root = std::env::temp_dir().join(format!("plisse-aside-leave-{}", std::process::id()));
+        let root = std::env::temp_dir().join(format!("plisse-staged-leave-{}", std::process::id()));
         fs::create_dir_all(&root).unwrap();
         fs::write(root.join("old.png"), "old").unwrap();
         for commit in [false, true] {
             let mut folder = OutputFolder::create(&root).unwrap();
-            folder.leave_out("old.png");
-            folder.leave_out("never-there.png");
+            folder.remove_stale("old.png");
+            folder.remove_stale("never-there.png");
             folder.write("new.txt", |out| out.write_all(b"new")).unwrap();
             if commit {
                 folder.commit().unwrap();
