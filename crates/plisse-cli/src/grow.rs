@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::Result;
-use plisse::io::aside::OutputFolder;
+use plisse::io::staged::OutputFolder;
 use plisse::io::obj;
 use plisse::mesh::Vec3;
 use plisse::picture::{Image, Paint, PanelView, Subject};

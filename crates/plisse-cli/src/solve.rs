@@ -8,7 +8,7 @@ use plisse::mesh::Up;
 use plisse::scene;
 
 use crate::arguments::SolveArguments;
-use crate::pipeline::{Job, check_levels, finish, remove_stale, open_output, with_threads};
+use crate::pipeline::{Job, check_levels, finish, open_output, remove_stale, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 

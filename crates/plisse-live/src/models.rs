@@ -5,8 +5,8 @@ mod shirt;
 
 use std::f32::consts::{PI, TAU};
 
-use plisse::Result;
 use plisse::mesh::panel::{Outline, Panel};
+use plisse::{At, Result};
 
 use crate::model::{Channel, Clip, Interpolation, Model, Node, Target};
 use crate::{Mat4, Vec2, Vec3};
@@ -38,7 +38,7 @@ pub fn by_name(name: &str) -> Result<Option<Model>> {
 /// None in practice (of the panel).
 pub fn square() -> Result<Model> {
     let panel =
-        Panel::new("square", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.128, 3)?;
+        Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.128, 3).at("square")?;
     let mut model = from_panel("square", &panel);
     let values = [1.0, 0.98, 0.75, 0.5].into_iter().flat_map(|x| [x, 1.0, 1.0]).collect();
     model.clips = vec![clip("contract", Target::Scale(0), vec![0.0, 1.0, 2.0, 3.0], values)];
@@ -52,7 +52,7 @@ pub fn square() -> Result<Model> {
 /// None in practice (of the panel).
 pub fn curtain() -> Result<Model> {
     let panel =
-        Panel::new("curtain", &Outline::Rectangle { width_m: 2.0, height_m: 2.2 }, 0.267, 5)?;
+        Panel::new(&Outline::Rectangle { width_m: 2.0, height_m: 2.2 }, 0.267, 5).at("curtain")?;
     let mut model = from_panel("curtain", &panel);
     model.nodes = vec![Node::default(), Node::default()];
     model.node_order = vec![0, 1];

@@ -313,8 +313,7 @@ mod tests {
 
     fn sheet() -> (Topology, Vec<Vec3>, RestMetric) {
         let panel =
-            Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.13, 3)
-                .unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.13, 3).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(positions.len(), panel.faces).unwrap();

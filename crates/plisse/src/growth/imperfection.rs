@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn waves_are_left_by_their_length() {
-        let panel = grid("p", [1.0, 0.2], 0.01, [None, None], Diagonal::Rising).unwrap();
+        let panel = grid([1.0, 0.2], 0.01, [None, None], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();

@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn imperfections_of_a_free_plate_push_and_turn_nothing() {
-        let panel = grid("p", [1.0, 0.7], 0.1, [None, None], Diagonal::Rising).unwrap();
+        let panel = grid([1.0, 0.7], 0.1, [None, None], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();

@@ -481,8 +481,7 @@ mod tests {
     use crate::progress::Silent;
 
     fn square(columns: usize, rows: usize) -> (Topology, RestMetric, Vec<Vec3>) {
-        let panel =
-            grid("square", [1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
+        let panel = grid([1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();

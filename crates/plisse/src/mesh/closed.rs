@@ -30,13 +30,14 @@ pub struct Closed {
 /// many parts as make edges about `edge_length_m` (m) long, blown up.
 ///
 /// # Errors
-/// [`Error::Value`] naming `place`.field for: a size that is not a positive number, edges longer than the radius, more than 2 million vertices.
-pub fn sphere(place: &str, radius_m: f64, edge_length_m: f64) -> Result<Closed> {
-    check(place, &[("radius_m", radius_m), ("edge_length_m", edge_length_m)])?;
-    no_longer(place, edge_length_m, radius_m)?;
+/// [`Error::Value`] naming the field for: a size that is not a positive number, edges longer than
+/// the radius, more than 2 million vertices.
+pub fn sphere(radius_m: f64, edge_length_m: f64) -> Result<Closed> {
+    check(&[("radius_m", radius_m), ("edge_length_m", edge_length_m)])?;
+    no_longer(edge_length_m, radius_m)?;
     // Mean length over the side of the icosahedron in parts, for many parts: √(4π/20·4/√3).
     let parts = ((PI / 5.0 * 4.0 / 3f64.sqrt()).sqrt() * radius_m / edge_length_m).round().max(1.0);
-    few_enough(place, 10.0 * parts * parts + 2.0)?;
+    few_enough(10.0 * parts * parts + 2.0)?;
     let parts = parts as usize;
     let (corners, sides) = icosahedron();
     // A point is known by the corners it lies between and its parts from each.
@@ -79,29 +80,26 @@ pub fn sphere(place: &str, radius_m: f64, edge_length_m: f64) -> Result<Closed> 
 /// are longer outside and shorter inside.
 ///
 /// # Errors
-/// [`Error::Value`] naming `place`.field for: a size that is not a positive number, a tube as thick as the circle is wide, edges longer than the
-/// tube's radius, more than 2 million vertices.
-pub fn torus(place: &str, radius_m: f64, tube_radius_m: f64, edge_length_m: f64) -> Result<Closed> {
-    check(
-        place,
-        &[
-            ("radius_m", radius_m),
-            ("tube_radius_m", tube_radius_m),
-            ("edge_length_m", edge_length_m),
-        ],
-    )?;
+/// [`Error::Value`] naming the field for: a size that is not a positive number, a tube as thick as
+/// the circle is wide, edges longer than the tube's radius, more than 2 million vertices.
+pub fn torus(radius_m: f64, tube_radius_m: f64, edge_length_m: f64) -> Result<Closed> {
+    check(&[
+        ("radius_m", radius_m),
+        ("tube_radius_m", tube_radius_m),
+        ("edge_length_m", edge_length_m),
+    ])?;
     if tube_radius_m >= radius_m {
         let message = format!(
             "a tube of {tube_radius_m} m closes the hole of a torus of {radius_m} m; give less \
              than radius_m"
         );
-        return Err(Error::value(format!("{place}.tube_radius_m"), message));
+        return Err(Error::value("tube_radius_m", message));
     }
-    no_longer(place, edge_length_m, tube_radius_m)?;
+    no_longer(edge_length_m, tube_radius_m)?;
     let columns = (TAU * radius_m / edge_length_m).round().max(3.0);
     // An even number of rows, √3/2 edges apart.
     let rows = 2.0 * (TAU * tube_radius_m / (3f64.sqrt() * edge_length_m)).round().max(2.0);
-    few_enough(place, columns * rows)?;
+    few_enough(columns * rows)?;
     let (m, n) = (columns as usize, rows as usize);
     let mut positions = Vec::with_capacity(m * n);
     for j in 0..n {
@@ -138,17 +136,17 @@ pub fn torus(place: &str, radius_m: f64, tube_radius_m: f64, edge_length_m: f64)
     Ok(Closed { positions, faces, chart, chart_faces })
 }
 
-fn check(place: &str, sizes: &[(&str, f64)]) -> Result<()> {
+fn check(sizes: &[(&str, f64)]) -> Result<()> {
     match sizes.iter().find(|(_, size)| !(size.is_finite() && *size > 0.0)) {
         Some((name, size)) => Err(Error::value(
-            format!("{place}.{name}"),
+            *name,
             format!("{size} is no length; give a positive number of metres"),
         )),
         None => Ok(()),
     }
 }
 
-fn no_longer(place: &str, edge_length_m: f64, radius_m: f64) -> Result<()> {
+fn no_longer(edge_length_m: f64, radius_m: f64) -> Result<()> {
     if edge_length_m <= radius_m {
         return Ok(());
     }
@@ -156,15 +154,15 @@ fn no_longer(place: &str, edge_length_m: f64, radius_m: f64) -> Result<()> {
         "edges of {edge_length_m} m cannot go around a radius of {radius_m} m; give at most the \
          radius"
     );
-    Err(Error::value(format!("{place}.edge_length_m"), message))
+    Err(Error::value("edge_length_m", message))
 }
 
-fn few_enough(place: &str, vertices: f64) -> Result<()> {
+fn few_enough(vertices: f64) -> Result<()> {
     if vertices <= MAX_VERTICES {
         return Ok(());
     }
     let message = "this makes more than 2 million vertices; ask for a longer edge length";
-    Err(Error::value(format!("{place}.edge_length_m"), message))
+    Err(Error::value("edge_length_m", message))
 }
 
 /// Corners (unit vectors), the first and the last on the z axis, and outward faces.
@@ -248,6 +246,7 @@ fn unrolled(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::At;
     use crate::mesh::Topology;
 
     /// Vertices − edges + faces, after checking that the mesh is closed and the volume inside is
@@ -293,7 +292,7 @@ mod tests {
     #[test]
     fn spheres_are_closed_round_and_as_fine_as_asked() {
         for (radius, edge) in [(1.0, 0.9), (1.0, 0.3), (2.0, 0.11), (0.05, 0.01)] {
-            let ball = sphere("s", radius, edge).unwrap();
+            let ball = sphere(radius, edge).unwrap();
             let inside = if edge > 0.5 * radius { 0.605 } else { 0.97 } * 4.0 / 3.0
                 * PI
                 * f64::powi(radius, 3);
@@ -311,7 +310,7 @@ mod tests {
         for (radius, tube, edge) in
             [(1.0, 0.3, 0.1), (1.0, 0.4, 0.15), (2.0, 0.1, 0.1), (0.5, 0.2, 0.07)]
         {
-            let ring = torus("t", radius, tube, edge).unwrap();
+            let ring = torus(radius, tube, edge).unwrap();
             let inside =
                 2.0 * PI * PI * radius * tube * tube * if edge < tube { 0.95 } else { 0.9 };
             assert_eq!(euler(&ring, inside, edge), 0);
@@ -331,18 +330,17 @@ mod tests {
 
     #[test]
     fn sizes_that_are_none_are_named() {
-        let says = |closed: Result<Closed>| closed.unwrap_err().to_string();
-        assert!(says(sphere("p", 0.0, 0.1)).starts_with("p.radius_m: 0 is no length"));
+        let says = |closed: Result<Closed>| closed.at("p").unwrap_err().to_string();
+        assert!(says(sphere(0.0, 0.1)).starts_with("p.radius_m: 0 is no length"));
         assert!(
-            says(sphere("p", 1.0, 2.0))
-                .starts_with("p.edge_length_m: edges of 2 m cannot go around")
+            says(sphere(1.0, 2.0)).starts_with("p.edge_length_m: edges of 2 m cannot go around")
         );
-        assert!(says(sphere("p", 1.0, 1e-4)).contains("2 million"));
+        assert!(says(sphere(1.0, 1e-4)).contains("2 million"));
         assert!(
-            says(torus("p", 1.0, 1.0, 0.1))
+            says(torus(1.0, 1.0, 0.1))
                 .starts_with("p.tube_radius_m: a tube of 1 m closes the hole")
         );
-        assert!(says(torus("p", 1.0, 0.5, 1e-4)).contains("2 million"));
-        assert!(says(torus("p", 1.0, f64::NAN, 0.1)).starts_with("p.tube_radius_m: NaN"));
+        assert!(says(torus(1.0, 0.5, 1e-4)).contains("2 million"));
+        assert!(says(torus(1.0, f64::NAN, 0.1)).starts_with("p.tube_radius_m: NaN"));
     }
 }

@@ -22,9 +22,9 @@ pub enum Diagonal {
 /// vertices come first, in the order of the sides, then the inner ones row by row.
 ///
 /// # Errors
-/// [`Error::Value`] naming `place`.field for: a size that is not a positive number, no column or row, more than 2 million vertices.
+/// [`Error::Value`] naming the field for: a size that is not a positive number, no column or row,
+/// more than 2 million vertices.
 pub fn grid(
-    place: &str,
     [width_m, height_m]: [f64; 2],
     edge_length_m: f64,
     [columns, rows]: [Option<usize>; 2],
@@ -35,7 +35,7 @@ pub fn grid(
     {
         if !(value.is_finite() && value > 0.0) {
             return Err(Error::value(
-                format!("{place}.{field}"),
+                field,
                 format!("{value} is no length; give a positive number of metres"),
             ));
         }
@@ -47,11 +47,11 @@ pub fn grid(
     for (field, given, cells) in [("columns", columns, m), ("rows", rows, n)] {
         if cells == 0 {
             return Err(Error::value(
-                format!("{place}.{field}"),
+                field,
                 "a panel cannot have 0 of them; give a whole number of 1 or more",
             ));
         }
-        let field = format!("{place}.{}", if given.is_some() { field } else { "edge_length_m" });
+        let field = if given.is_some() { field } else { "edge_length_m" };
         // Written so that no count overflows.
         if (m as f64 + 1.0) * (n as f64 + 1.0) > MAX_VERTICES
             && (given.is_some() || (columns, rows) == (None, None))
@@ -110,6 +110,7 @@ pub fn grid(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::At;
     use crate::mesh::Topology;
 
     const SIZE: [f64; 2] = [1.2, 0.5];
@@ -117,7 +118,7 @@ mod tests {
     #[test]
     fn cells_are_equal_and_fill_the_rectangle() {
         for diagonal in [Diagonal::Rising, Diagonal::Falling] {
-            let panel = grid("p", SIZE, 0.11, [None, None], diagonal).unwrap();
+            let panel = grid(SIZE, 0.11, [None, None], diagonal).unwrap();
             assert_eq!((panel.positions.len(), panel.faces.len()), (12 * 6, 2 * 11 * 5));
             let t = Topology::new(panel.positions.len(), panel.faces.clone()).unwrap();
             assert_eq!(t.vertex_count + t.face_count(), t.edge_count() + 1);
@@ -144,9 +145,9 @@ mod tests {
     #[test]
     fn sides_are_those_of_an_irregular_rectangle() {
         let irregular =
-            Panel::new("p", &Outline::Rectangle { width_m: SIZE[0], height_m: SIZE[1] }, 0.1, 1)
+            Panel::new(&Outline::Rectangle { width_m: SIZE[0], height_m: SIZE[1] }, 0.1, 1)
                 .unwrap();
-        let panel = grid("p", SIZE, 0.1, [None, None], Diagonal::Rising).unwrap();
+        let panel = grid(SIZE, 0.1, [None, None], Diagonal::Rising).unwrap();
         assert_eq!((&panel.sides, &panel.side_names), (&irregular.sides, &irregular.side_names));
         for &v in panel.sides.iter().flatten() {
             assert!((panel.positions[v] - irregular.positions[v]).norm() < 1e-15);
@@ -159,14 +160,11 @@ mod tests {
 
     #[test]
     fn counts_may_be_given_and_too_many_are_told() {
-        let panel = grid("p", SIZE, 0.1, [Some(3), None], Diagonal::Falling).unwrap();
+        let panel = grid(SIZE, 0.1, [Some(3), None], Diagonal::Falling).unwrap();
         assert_eq!(panel.faces.len(), 2 * 3 * 5);
-        assert_eq!(
-            grid("p", SIZE, 0.1, [Some(1), Some(1)], Diagonal::Falling).unwrap().faces.len(),
-            2
-        );
+        assert_eq!(grid(SIZE, 0.1, [Some(1), Some(1)], Diagonal::Falling).unwrap().faces.len(), 2);
         let says = |length, cells| {
-            grid("p", SIZE, length, cells, Diagonal::Rising).unwrap_err().to_string()
+            grid(SIZE, length, cells, Diagonal::Rising).at("p").unwrap_err().to_string()
         };
         assert!(says(0.1, [Some(0), None]).starts_with("p.columns: a panel cannot have 0"));
         assert!(says(0.1, [None, Some(usize::MAX)]).starts_with("p.rows: 12 columns and"));

@@ -93,12 +93,12 @@ impl Panel {
     /// same `seed` gives the same panel.
     ///
     /// # Errors
-    /// [`Error::Value`] naming `place`.field for: a size that is not a positive number, an edge length that is longer than
-    /// the panel is wide or asks for more than 2 million vertices, an annulus with inner ≥ outer
-    /// radius, a polygon with fewer than 3 corners, a repeated corner, sides that touch or cross,
+    /// [`Error::Value`] naming the field for: a size that is not a positive number, an edge length
+    /// that is longer than the panel is wide or asks for more than 2 million vertices, an annulus
+    /// with inner ≥ outer radius, a polygon with fewer than 3 corners, a repeated corner, sides that touch or cross,
     /// named sides that begin at no corner, out of order or with a name that is taken.
-    pub fn new(place: &str, outline: &Outline, edge_length_m: f64, seed: u64) -> Result<Self> {
-        check_sizes(place, outline, edge_length_m)?;
+    pub fn new(outline: &Outline, edge_length_m: f64, seed: u64) -> Result<Self> {
+        check_sizes(outline, edge_length_m)?;
         let boundary = Boundary::new(outline, edge_length_m);
         let unit = |p: &Vec2| (p / edge_length_m).map(|x| if x.abs() < TINY { 0.0 } else { x });
         let mut points: Vec<Vec2> = boundary.positions.iter().map(unit).collect();
@@ -111,7 +111,7 @@ impl Panel {
         });
         points.extend(&inner);
         let faces = triangulate(&points, boundary.pieces)
-            .ok_or_else(|| touching(place, "two sides touch each other"))?;
+            .ok_or_else(|| touching("two sides touch each other"))?;
         let mut positions = boundary.positions;
         positions.extend(inner.iter().map(|p| p * edge_length_m));
         Ok(Self { positions, faces, sides: boundary.sides, side_names: boundary.side_names })
@@ -268,13 +268,13 @@ fn triangulate(points: &[Vec2], pieces: Vec<[usize; 2]>) -> Option<Vec<[usize; 3
     Some(faces)
 }
 
-fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()> {
+fn check_sizes(outline: &Outline, edge_length_m: f64) -> Result<()> {
     let positive = |field: &str, value: f64| {
         if value.is_finite() && value > 0.0 {
             Ok(())
         } else {
             Err(Error::value(
-                format!("{place}.{field}"),
+                field,
                 format!("{value} is no length; give a positive number of metres"),
             ))
         }
@@ -296,7 +296,7 @@ fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()>
             positive("outer_radius_m", outer)?;
             if inner >= outer {
                 return Err(Error::value(
-                    format!("{place}.inner_radius_m"),
+                    "inner_radius_m",
                     format!(
                         "{inner} m is not less than the outer radius {outer} m; make the hole \
                          smaller"
@@ -311,11 +311,11 @@ fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()>
             )
         }
         Outline::Polygon { corners_m, sides } => {
-            check_sides(place, corners_m.len(), sides)?;
-            check_polygon(place, corners_m)?
+            check_sides(corners_m.len(), sides)?;
+            check_polygon(corners_m)?
         }
     };
-    let field = format!("{place}.edge_length_m");
+    let field = "edge_length_m";
     if edge_length_m > narrowest * (1.0 + 1e-9) {
         let message = format!(
             "{edge_length_m} m is longer than the panel is wide ({narrowest} m); give a shorter \
@@ -336,21 +336,21 @@ fn check_sizes(place: &str, outline: &Outline, edge_length_m: f64) -> Result<()>
     Ok(())
 }
 
-fn touching(place: &str, what: &str) -> Error {
+fn touching(what: &str) -> Error {
     Error::value(
-        format!("{place}.corners_m"),
+        "corners_m",
         format!("{what}; give corners of a polygon whose sides do not touch or cross"),
     )
 }
 
 /// The sides that a polygon with `corner_count` corners may have.
-fn check_sides(place: &str, corner_count: usize, sides: &[(usize, String)]) -> Result<()> {
+fn check_sides(corner_count: usize, sides: &[(usize, String)]) -> Result<()> {
     for (n, (corner, name)) in sides.iter().enumerate() {
         if *corner >= corner_count {
             let message = format!(
                 "there is no corner {corner}; the {corner_count} corners are counted from 0"
             );
-            return Err(Error::value(format!("{place}.sides[{n}].corner"), message));
+            return Err(Error::value(format!("sides[{n}].corner"), message));
         }
         if n > 0 && *corner <= sides[n - 1].0 {
             let message = format!(
@@ -358,30 +358,30 @@ fn check_sides(place: &str, corner_count: usize, sides: &[(usize, String)]) -> R
                  their corners",
                 sides[n - 1].0
             );
-            return Err(Error::value(format!("{place}.sides[{n}].corner"), message));
+            return Err(Error::value(format!("sides[{n}].corner"), message));
         }
         if let Some(m) = sides[..n].iter().position(|(_, other)| other == name) {
             let message =
                 format!("sides[{m}] is called \"{name}\", too; give each side a name of its own");
-            return Err(Error::value(format!("{place}.sides[{n}].name"), message));
+            return Err(Error::value(format!("sides[{n}].name"), message));
         }
     }
     Ok(())
 }
 
 /// Narrowest extent of the bounding box, area, bounding box area and perimeter of a valid polygon.
-fn check_polygon(place: &str, corners_m: &[[f64; 2]]) -> Result<(f64, f64, f64, f64)> {
-    let field = || format!("{place}.corners_m");
+fn check_polygon(corners_m: &[[f64; 2]]) -> Result<(f64, f64, f64, f64)> {
+    let field = "corners_m";
     let n = corners_m.len();
     if n < 3 {
         return Err(Error::value(
-            field(),
+            field,
             format!("{n} corners do not enclose anything; give at least 3"),
         ));
     }
     if let Some(i) = corners_m.iter().position(|c| !(c[0].is_finite() && c[1].is_finite())) {
         return Err(Error::value(
-            field(),
+            field,
             format!("corner {i} is not a finite point; give two numbers of metres"),
         ));
     }
@@ -389,7 +389,7 @@ fn check_polygon(place: &str, corners_m: &[[f64; 2]]) -> Result<(f64, f64, f64, 
     let at = |i: usize| corners[i % n];
     if let Some(i) = (0..n).find(|&i| at(i) == at(i + 1)) {
         return Err(Error::value(
-            field(),
+            field,
             format!("corners {i} and {} are the same point; remove one", (i + 1) % n),
         ));
     }
@@ -397,10 +397,7 @@ fn check_polygon(place: &str, corners_m: &[[f64; 2]]) -> Result<(f64, f64, f64, 
         cross(at(i), at(i + 1), at(i + 2)) == 0.0
             && (at(i + 1) - at(i)).dot(&(at(i + 2) - at(i + 1))) < 0.0
     }) {
-        return Err(touching(
-            place,
-            &format!("sides {i} and {} run back over each other", (i + 1) % n),
-        ));
+        return Err(touching(&format!("sides {i} and {} run back over each other", (i + 1) % n)));
     }
     // Sides from left to right: only those that overlap in x can meet.
     let span = |s: usize| (at(s).x.min(at(s + 1).x), at(s).x.max(at(s + 1).x));
@@ -410,7 +407,7 @@ fn check_polygon(place: &str, corners_m: &[[f64; 2]]) -> Result<(f64, f64, f64, 
         for &t in order[k + 1..].iter().take_while(|&&t| span(t).0 <= span(s).1) {
             let adjacent = (s + 1) % n == t || (t + 1) % n == s;
             if !adjacent && segments_meet([at(s), at(s + 1)], [at(t), at(t + 1)]) {
-                return Err(touching(place, &format!("sides {} and {} meet", s.min(t), s.max(t))));
+                return Err(touching(&format!("sides {} and {} meet", s.min(t), s.max(t))));
             }
         }
     }
@@ -442,6 +439,7 @@ fn segments_meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::At;
     use crate::mesh::Topology;
 
     fn topology(panel: &Panel) -> Topology {
@@ -494,7 +492,7 @@ mod tests {
     fn triangles_are_well_shaped_and_of_the_asked_size() {
         for (outline, length) in samples() {
             for seed in 0..8 {
-                let panel = Panel::new("panel", &outline, length, seed).unwrap();
+                let panel = Panel::new(&outline, length, seed).unwrap();
                 let angle = smallest_angle_deg(&panel);
                 assert!(angle >= 29.0, "{outline:?} seed {seed}: smallest angle {angle}");
                 let edges = edge_vectors(&panel, false);
@@ -510,7 +508,7 @@ mod tests {
     #[test]
     fn edges_run_in_all_directions_and_valences_differ() {
         for (outline, length) in samples() {
-            let panel = Panel::new("panel", &outline, length, 5).unwrap();
+            let panel = Panel::new(&outline, length, 5).unwrap();
             let mut bins = [0usize; 12];
             let edges = edge_vectors(&panel, true);
             for e in &edges {
@@ -540,7 +538,7 @@ mod tests {
     #[test]
     fn panels_fill_their_outline_and_have_its_boundary() {
         for (outline, length) in samples() {
-            let panel = Panel::new("panel", &outline, length, 2).unwrap();
+            let panel = Panel::new(&outline, length, 2).unwrap();
             let t = topology(&panel);
             let (expected, loops) = match outline {
                 Outline::Rectangle { width_m, height_m } => (width_m * height_m, 1),
@@ -573,8 +571,7 @@ mod tests {
     #[test]
     fn sides_of_a_rectangle_are_named_and_divided_evenly() {
         let panel =
-            Panel::new("cloth", &Outline::Rectangle { width_m: 1.0, height_m: 0.5 }, 0.09, 0)
-                .unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 0.5 }, 0.09, 0).unwrap();
         let side = |name| {
             panel.side(name).unwrap().iter().map(|&v| panel.positions[v]).collect::<Vec<_>>()
         };
@@ -605,7 +602,7 @@ mod tests {
         let mut corners_m =
             vec![[0.0, 0.0], [2.0, 0.1], [2.0, 1.1], [1.0, 1.0], [0.9, 2.1], [-0.1, 2.0]];
         for _ in 0..2 {
-            let panel = Panel::new("p", &plain(corners_m.clone()), 0.1, 1).unwrap();
+            let panel = Panel::new(&plain(corners_m.clone()), 0.1, 1).unwrap();
             let c = |i: usize| Vec2::from(corners_m[i % 6]);
             let expected = 0.5 * (0..6).map(|i| c(i).perp(&c(i + 1))).sum::<f64>().abs();
             assert!((area(&panel) / expected - 1.0).abs() < 1e-12);
@@ -628,9 +625,9 @@ mod tests {
             vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.1], [2.0, 1.1], [1.0, 1.0], [0.0, 1.0]];
         let named = |list: &[(usize, &str)]| {
             let sides = list.iter().map(|&(corner, name)| (corner, name.to_owned())).collect();
-            Panel::new("p", &Outline::Polygon { corners_m: corners_m.clone(), sides }, 0.1, 1)
+            Panel::new(&Outline::Polygon { corners_m: corners_m.clone(), sides }, 0.1, 1)
         };
-        let every = Panel::new("p", &plain(corners_m.clone()), 0.1, 1).unwrap();
+        let every = Panel::new(&plain(corners_m.clone()), 0.1, 1).unwrap();
         let joined = |sides: &[usize]| {
             let mut chain = every.sides[sides[0]].clone();
             sides[1..].iter().for_each(|&s| chain.extend(&every.sides[s][1..]));
@@ -647,7 +644,7 @@ mod tests {
         let mut closed = joined(&[2, 3, 4, 5, 0, 1]);
         assert_eq!(closed.pop(), Some(closed[0]));
         assert_eq!(around.sides, [closed]);
-        let says = |list| named(list).unwrap_err().to_string();
+        let says = |list| named(list).at("p").unwrap_err().to_string();
         assert!(says(&[(6, "a")]).starts_with("p.sides[0].corner: there is no corner 6"));
         assert!(
             says(&[(2, "a"), (2, "b")])
@@ -666,8 +663,7 @@ mod tests {
             for height_m in [1.05, 1.45, 2.45] {
                 for seed in 0..40 {
                     let panel =
-                        Panel::new("p", &Outline::Rectangle { width_m, height_m }, 1.0, seed)
-                            .unwrap();
+                        Panel::new(&Outline::Rectangle { width_m, height_m }, 1.0, seed).unwrap();
                     let angle = smallest_angle_deg(&panel);
                     assert!(
                         angle >= 25.0,
@@ -680,29 +676,23 @@ mod tests {
 
     #[test]
     fn the_smallest_panels_work() {
-        let hexagon = Panel::new("p", &Outline::Disk { radius_m: 2.0 }, 2.0, 0).unwrap();
+        let hexagon = Panel::new(&Outline::Disk { radius_m: 2.0 }, 2.0, 0).unwrap();
         assert_eq!((hexagon.positions.len(), hexagon.faces.len()), (7, 6));
         let square =
-            Panel::new("p", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 1.0, 0).unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 1.0, 0).unwrap();
         assert_eq!(square.faces.len(), 2);
         let triangle = plain(vec![[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]]);
-        assert_eq!(Panel::new("p", &triangle, 0.9, 0).unwrap().faces.len(), 2);
+        assert_eq!(Panel::new(&triangle, 0.9, 0).unwrap().faces.len(), 2);
         topology(
-            &Panel::new(
-                "p",
-                &Outline::Annulus { inner_radius_m: 1.0, outer_radius_m: 1.3 },
-                0.3,
-                0,
-            )
-            .unwrap(),
+            &Panel::new(&Outline::Annulus { inner_radius_m: 1.0, outer_radius_m: 1.3 }, 0.3, 0)
+                .unwrap(),
         );
     }
 
     #[test]
     fn the_seed_decides_and_size_only_scales() {
-        let disk = |radius_m, seed| {
-            Panel::new("p", &Outline::Disk { radius_m }, 0.1 * radius_m, seed).unwrap()
-        };
+        let disk =
+            |radius_m, seed| Panel::new(&Outline::Disk { radius_m }, 0.1 * radius_m, seed).unwrap();
         assert_eq!(disk(1.0, 7), disk(1.0, 7));
         assert_ne!(disk(1.0, 7).positions, disk(1.0, 8).positions);
         let (large, small) = (disk(1.0, 7), disk(2f64.powi(-20), 7));
@@ -712,7 +702,7 @@ mod tests {
     #[test]
     fn unusable_outlines_are_named() {
         let message = |outline: Outline, length| {
-            Panel::new("panels.0", &outline, length, 0).unwrap_err().to_string()
+            Panel::new(&outline, length, 0).at("panels.0").unwrap_err().to_string()
         };
         let polygon = |c: &[[f64; 2]]| message(plain(c.to_vec()), 0.1);
         let rectangle =

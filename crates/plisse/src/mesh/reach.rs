@@ -138,8 +138,7 @@ mod tests {
     #[test]
     fn distances_on_a_flat_sheet_are_straight_and_end_where_asked() {
         let panel =
-            Panel::new("sheet", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3)
-                .unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, 0.05, 3).unwrap();
         let places: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(places.len(), panel.faces).unwrap();
         let (faces, around) = (&topology.faces, topology.vertex_faces());

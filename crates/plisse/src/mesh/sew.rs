@@ -253,7 +253,7 @@ mod tests {
     #[test]
     fn two_panels_that_cut_the_same_corners_make_a_pillow() {
         let panel =
-            Panel::new("p", &Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
         let panels = [panel.clone(), panel.clone()];
         let seams: Vec<Seam<'_>> =
             panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
@@ -272,7 +272,7 @@ mod tests {
     use crate::mesh::panel::Outline;
 
     fn rectangle(width_m: f64, height_m: f64) -> Panel {
-        Panel::new("panel", &Outline::Rectangle { width_m, height_m }, 0.1, 1).unwrap()
+        Panel::new(&Outline::Rectangle { width_m, height_m }, 0.1, 1).unwrap()
     }
 
     fn euler(t: &Topology) -> i64 {
@@ -328,8 +328,8 @@ mod tests {
 
     #[test]
     fn two_disks_become_a_sphere_and_one_is_flipped() {
-        let disk = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 1).unwrap();
-        let back = Panel::new("disk", &Outline::Disk { radius_m: 1.0 }, 0.2, 2).unwrap();
+        let disk = Panel::new(&Outline::Disk { radius_m: 1.0 }, 0.2, 1).unwrap();
+        let back = Panel::new(&Outline::Disk { radius_m: 1.0 }, 0.2, 2).unwrap();
         let panels = [disk, back];
         let rim = panels[0].side("rim").unwrap();
         let sewn =

@@ -258,7 +258,7 @@ mod tests {
     };
 
     fn panel(outline: &Outline, length: f64) -> (Topology, Vec<Vec2>) {
-        let panel = Panel::new("panel", outline, length, 4).unwrap();
+        let panel = Panel::new(outline, length, 4).unwrap();
         (Topology::new(panel.positions.len(), panel.faces).unwrap(), panel.positions)
     }
 
@@ -297,7 +297,7 @@ mod tests {
     /// Two panels sewn: coarse topology, and rest faces that differ from it along the seam.
     fn sewn() -> crate::mesh::sew::Sewn {
         let panels = [0, 1].map(|seed| {
-            Panel::new("p", &Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap()
+            Panel::new(&Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap()
         });
         let left = reversed(panels[1].side("left").unwrap());
         sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()

@@ -5,7 +5,7 @@ use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
 use super::value::positive;
 use crate::mesh::Vec3;
 use crate::mesh::closed::{Closed, sphere, torus};
-use crate::{Error, Result};
+use crate::{At, Error, Result};
 
 impl Shape {
     /// True for a closed surface, which has no sides.
@@ -39,12 +39,13 @@ pub(super) fn check(place: &str, panel: &PanelTable) -> Result<()> {
 /// A closed panel called `place` in errors.
 pub(super) fn cut(place: &str, table: &PanelTable) -> Result<Closed> {
     let radius_m = table.radius_m.unwrap_or_default();
-    match table.shape {
+    let surface = match table.shape {
         Shape::Torus => {
-            torus(place, radius_m, table.tube_radius_m.unwrap_or_default(), table.edge_length_m)
+            torus(radius_m, table.tube_radius_m.unwrap_or_default(), table.edge_length_m)
         }
-        _ => sphere(place, radius_m, table.edge_length_m),
-    }
+        _ => sphere(radius_m, table.edge_length_m),
+    };
+    surface.at(place)
 }
 
 /// Puts the rest vertices (`[R]`, m) of closed panels where they lie; returns the panel coordinates

@@ -262,16 +262,13 @@ fn cut(place: &str, table: &PanelTable) -> Result<Panel> {
         Pattern::Rising => Some(Diagonal::Rising),
         Pattern::Falling => Some(Diagonal::Falling),
     };
-    match (outline, diagonal) {
-        (Outline::Rectangle { width_m, height_m }, Some(diagonal)) => grid(
-            place,
-            [width_m, height_m],
-            table.edge_length_m,
-            [table.columns, table.rows],
-            diagonal,
-        ),
-        (outline, _) => Panel::new(place, &outline, table.edge_length_m, table.seed),
-    }
+    let panel = match (outline, diagonal) {
+        (Outline::Rectangle { width_m, height_m }, Some(diagonal)) => {
+            grid([width_m, height_m], table.edge_length_m, [table.columns, table.rows], diagonal)
+        }
+        (outline, _) => Panel::new(&outline, table.edge_length_m, table.seed),
+    };
+    panel.at(place)
 }
 
 /// True if the sides of a panel return to where they begin.

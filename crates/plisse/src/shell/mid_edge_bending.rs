@@ -511,8 +511,7 @@ mod tests {
     fn sheet(edge: f64, regular: bool) -> (Vec<Vec3>, Vec<[usize; 3]>) {
         if !regular {
             let panel =
-                Panel::new("sheet", &Outline::Rectangle { width_m: 2.0, height_m: 1.0 }, edge, 3)
-                    .unwrap();
+                Panel::new(&Outline::Rectangle { width_m: 2.0, height_m: 1.0 }, edge, 3).unwrap();
             return (
                 panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(),
                 panel.faces,

@@ -104,8 +104,7 @@ mod tests {
 
     fn sheet(edge: f64) -> (Topology, RestMetric, Vec<Vec3>, Material) {
         let panel =
-            Panel::new("sheet", &Outline::Rectangle { width_m: 2.0, height_m: 1.0 }, edge, 3)
-                .unwrap();
+            Panel::new(&Outline::Rectangle { width_m: 2.0, height_m: 1.0 }, edge, 3).unwrap();
         let flat: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(flat.len(), panel.faces).unwrap();
         let rest = RestMetric::from_shape(&flat, &topology.faces).unwrap();

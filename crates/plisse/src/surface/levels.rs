@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn levels_follow_the_wavelength_as_far_as_faces_allow() {
-        let panel = grid("grid", [1.0, 1.0], 0.25, [None, None], Diagonal::Rising).unwrap();
+        let panel = grid([1.0, 1.0], 0.25, [None, None], Diagonal::Rising).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(positions.len(), panel.faces.clone()).unwrap();

@@ -49,7 +49,7 @@ impl Sheet {
 
     /// A flat irregular panel at rest, in the plane z = 0.
     pub(crate) fn flat(outline: &Outline, edge_length_m: f64, seed: u64) -> Self {
-        let panel = Panel::new("sheet", outline, edge_length_m, seed).unwrap();
+        let panel = Panel::new(outline, edge_length_m, seed).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         Self::new(positions.clone(), panel.faces.clone(), panel.faces, positions)
@@ -284,13 +284,8 @@ pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
 /// The twisted cylinder of the paper (radius 1 m, height 5 m, irregular, sewn from one panel), its
 /// top turned by 10°: a smooth pose to start the base solve from, with the rims as clamps.
 pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
-    let panel = Panel::new(
-        "cylinder",
-        &Outline::Rectangle { width_m: TAU, height_m: 5.0 },
-        edge_length_m,
-        7,
-    )
-    .unwrap();
+    let panel =
+        Panel::new(&Outline::Rectangle { width_m: TAU, height_m: 5.0 }, edge_length_m, 7).unwrap();
     let left = reversed(panel.side("left").unwrap());
     let seam = Seam { a: (0, panel.side("right").unwrap()), b: (0, &left) };
     let sewn = sew(std::slice::from_ref(&panel), &[seam]).unwrap();

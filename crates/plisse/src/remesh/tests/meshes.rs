@@ -93,20 +93,16 @@ pub(super) fn torus(n: usize, m: usize, jitter: f64, random: &mut Random) -> Sur
 
 /// An irregular unit square of edges about `edge` (m).
 pub(super) fn square(edge: f64, seed: u64) -> SurfaceMesh {
-    let panel = Panel::new("test", &Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, edge, seed)
-        .unwrap();
+    let panel =
+        Panel::new(&Outline::Rectangle { width_m: 1.0, height_m: 1.0 }, edge, seed).unwrap();
     sheet(panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), panel.faces)
 }
 
 /// An irregular annulus: a boundary of two loops.
 pub(super) fn annulus(edge: f64, seed: u64) -> SurfaceMesh {
-    let panel = Panel::new(
-        "test",
-        &Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 },
-        edge,
-        seed,
-    )
-    .unwrap();
+    let panel =
+        Panel::new(&Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, edge, seed)
+            .unwrap();
     sheet(panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), panel.faces)
 }
 

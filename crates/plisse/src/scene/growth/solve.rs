@@ -7,7 +7,7 @@ use crate::growth::reference::{LevelReport, ReferenceReport, grow_by_forces_each
 use crate::growth::{
     AdaptOptions, GrownSurface, GrowthReport, LoadSteps, StepReport, follow_adapting, follow_each,
 };
-use crate::io::aside::OutputFolder;
+use crate::io::staged::OutputFolder;
 use crate::io::{glb, obj};
 use crate::linalg::newton::Ending;
 use crate::mesh::crossing::crossing_pairs;
