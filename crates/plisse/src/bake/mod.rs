@@ -9,11 +9,13 @@
 //! (x + ½)/N, v = 1 − (y + ½)/N. Normals are those of glTF and OpenGL: red along u, green along v
 //! (up), blue outwards.
 
+mod maps;
 mod padding;
 pub mod png16;
 mod raster;
 mod sampler;
 mod tangents;
 
-pub use raster::{Baked, Coverage, Options, Sample, Surface, bake};
+pub use maps::{Baked, Coverage, Options, Sample, Surface};
+pub use raster::bake;
 pub use sampler::field_sampler;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::raster::{Baked, Coverage};
+use super::maps::{Baked, Coverage};
 
 /// Grows all islands of `baked` by `texels`: each new texel has the mean of those around it that
 /// there were before.

@@ -5,7 +5,7 @@
 
 use std::io::{self, Write};
 
-use super::raster::Baked;
+use super::maps::Baked;
 
 /// The key of the PNG text that holds a height map's scale (m).
 pub const SCALE_KEY: &str = "plisse:height-scale-m";

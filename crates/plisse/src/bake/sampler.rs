@@ -1,6 +1,6 @@
 //! Height and gradient of a wrinkle field.
 
-use super::raster::Sample;
+use super::maps::Sample;
 use crate::field::WrinkleField;
 use crate::mesh::{Topology, Vec3};
 

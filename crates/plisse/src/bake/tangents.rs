@@ -4,7 +4,7 @@
 
 use std::collections::HashMap;
 
-use super::raster::Surface;
+use super::maps::Surface;
 use crate::mesh::Vec3;
 
 /// Frames at a face's corners.

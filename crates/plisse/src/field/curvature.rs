@@ -7,6 +7,7 @@
 use nalgebra::{Matrix2, Matrix3x2, Rotation3, SMatrix, SVector};
 use rayon::prelude::*;
 
+use crate::adjacency::Csr;
 use crate::mesh::normals::vertex_normals;
 use crate::mesh::{Mat3, Topology, Vec3};
 
@@ -51,7 +52,7 @@ fn fit(
     v: usize,
     positions: &[Vec3],
     normals: &[Vec3],
-    neighbours: &[Vec<usize>],
+    neighbours: &Csr,
     rings: usize,
     seen: &mut [bool],
 ) -> Fit {

@@ -2,6 +2,7 @@
 //! fault, and the weld of vertices that a file keeps twice along its seams.
 
 use super::Vec3;
+use super::topology::faces_around;
 use crate::Result;
 use crate::error::MeshError;
 
@@ -72,15 +73,14 @@ pub fn weld(positions: &[Vec3], faces: &[[usize; 3]]) -> Welded {
         .collect();
     at_place.sort_unstable();
 
-    let around = FacesAround::new(positions.len(), faces);
+    let around = faces_around(positions.len(), faces);
     // Lowest input vertex of the cluster that each vertex was merged into.
     let mut lowest: Vec<usize> = (0..positions.len()).collect();
     for group in at_place.chunk_by(|a, b| a.0 == b.0) {
         let mut clusters: Vec<usize> = Vec::new();
         for &(_, v) in group {
             let shares_face = |cluster: usize| {
-                around
-                    .of(v)
+                around[v]
                     .iter()
                     .any(|&f| faces[f].iter().any(|&u| u != v && lowest[u] == cluster))
             };
@@ -129,38 +129,6 @@ fn boundary_vertices(vertex_count: usize, faces: &[[usize; 3]]) -> Vec<usize> {
         on_boundary[same[0].0[1]] = true;
     }
     (0..vertex_count).filter(|&v| on_boundary[v]).collect()
-}
-
-/// The faces at each vertex.
-struct FacesAround {
-    /// `[V+1]` where each vertex's faces start in `faces`.
-    start: Vec<usize>,
-    faces: Vec<usize>,
-}
-
-impl FacesAround {
-    fn new(vertex_count: usize, faces: &[[usize; 3]]) -> Self {
-        let mut start = vec![0; vertex_count + 1];
-        for &v in faces.iter().flatten() {
-            start[v + 1] += 1;
-        }
-        for v in 0..vertex_count {
-            start[v + 1] += start[v];
-        }
-        let mut next = start.clone();
-        let mut around = vec![0; 3 * faces.len()];
-        for (f, face) in faces.iter().enumerate() {
-            for &v in face {
-                around[next[v]] = f;
-                next[v] += 1;
-            }
-        }
-        Self { start, faces: around }
-    }
-
-    fn of(&self, v: usize) -> &[usize] {
-        &self.faces[self.start[v]..self.start[v + 1]]
-    }
 }
 
 fn is_flat(positions: &[Vec3]) -> bool {

@@ -1,5 +1,5 @@
-//! The weights of Loop subdivision: what is smooth on a fine mesh are weighted means of the coarse
-//! one. They are kept as a sparse matrix, so one set of weights serves positions, poses of many
+//! The weights of Loop subdivision: smooth values on a fine mesh are weighted means of those on the
+//! coarse one. They are kept as a sparse matrix, so one set of weights serves positions, poses of many
 //! frames and scalar fields.
 //!
 //! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for
@@ -11,13 +11,13 @@ use std::ops::{Add, Mul};
 
 use rayon::prelude::*;
 
-use super::subdivide::EdgesAround;
 use super::{NONE, Topology};
+use crate::adjacency::Csr;
 
 /// Weights of the fine vertices of a [`super::subdivide::Subdivision`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Masks {
-    /// `[fine V + 1]` where each fine vertex's entries start in `columns`, `edges` and `weights`.
+    /// `[fine V + 1]` position at which each fine vertex's entries start in `columns`, `edges` and `weights`.
     starts: Vec<usize>,
     /// Coarse vertices that a fine vertex depends on; the first is the one it comes from: itself,
     /// or the lower end of its edge.
@@ -28,7 +28,7 @@ pub struct Masks {
     weights: Vec<f64>,
 }
 
-/// What a fine vertex depends on.
+/// Coarse vertices that a fine vertex depends on, with their weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<'a> {
     /// Coarse vertices; the first is the one it comes from: itself, or the lower end of its edge.
@@ -43,7 +43,7 @@ impl Masks {
     /// As [`super::subdivide::Subdivision::masks`] says; `around` are the edges of `coarse`.
     pub(super) fn new(
         coarse: &Topology,
-        around: &EdgesAround,
+        around: &Csr,
         crease: &[bool],
         corner: &[bool],
     ) -> Self {
@@ -64,7 +64,7 @@ impl Masks {
         };
         masks.starts.push(0);
         for v in 0..coarse.vertex_count {
-            let edges = around.of(v);
+            let edges = &around[v];
             let across = |e: usize| coarse.edges[e][0] + coarse.edges[e][1] - v;
             let fixed = corner.get(v).copied().unwrap_or(false);
             match edges.iter().filter(|&&e| sharp(e)).count() {
@@ -126,7 +126,7 @@ impl Masks {
         (0..self.starts.len() - 1).into_par_iter().with_min_len(LEAST_ROWS).map(mean).collect()
     }
 
-    /// What fine vertex `v` depends on.
+    /// Coarse vertices that fine vertex `v` depends on, with their weights.
     pub fn row(&self, v: usize) -> Row<'_> {
         let entries = self.starts[v]..self.starts[v + 1];
         Row {

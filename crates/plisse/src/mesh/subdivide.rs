@@ -8,6 +8,7 @@ use std::ops::{Add, Mul};
 
 use super::masks::Masks;
 use super::{NONE, Topology};
+use crate::adjacency::Csr;
 
 /// One step of Loop subdivision of a mesh: its fine connectivity, and weights for what is smooth
 /// everywhere or has creases. Fine vertices are the `V` coarse ones under their old numbers, then
@@ -16,13 +17,13 @@ use super::{NONE, Topology};
 /// with the orientation of `f`.
 pub struct Subdivision<'a> {
     coarse: &'a Topology,
-    around: EdgesAround,
+    around: Csr,
 }
 
 impl<'a> Subdivision<'a> {
-    /// Of `coarse`.
+    /// One step of subdivision of `coarse`.
     pub fn new(coarse: &'a Topology) -> Self {
-        Self { coarse, around: EdgesAround::new(coarse.vertex_count, &coarse.edges) }
+        Self { coarse, around: coarse.vertex_edges() }
     }
 
     /// Connectivity of the fine mesh.
@@ -79,7 +80,7 @@ fn split_faces(
 /// halves of coarse edges sort by (coarse vertex, coarse edge) and so lie in the order of `around`;
 /// edges within coarse faces sort by their two coarse edges. (Only where two coarse faces share all
 /// three vertices, fine edges may have both ends in common.)
-fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
+fn refine_topology(coarse: &Topology, around: &Csr) -> Topology {
     let (vertex_count, edge_count) = (coarse.vertex_count, coarse.edge_count());
     let fine_faces = split_faces(vertex_count, &coarse.faces, &coarse.face_edges);
     let fine_edge_count = 2 * edge_count + 3 * coarse.face_count();
@@ -88,7 +89,7 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
     // Fine edges of each coarse edge: its half at the lower and at the higher vertex.
     let mut halves = vec![[NONE; 2]; edge_count];
     for v in 0..vertex_count {
-        for &e in around.of(v) {
+        for &e in &around[v] {
             halves[e][usize::from(v == coarse.edges[e][1])] = edges.len();
             edges.push([v, vertex_count + e]);
             edge_faces.push(
@@ -97,37 +98,7 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
             );
         }
     }
-    // Edges inside a coarse face cut off its corner k; sorted by bucket of the lower of the two
-    // sides that meet there.
-    let sides_at = |f: usize, k: usize| {
-        let (a, b) = (coarse.face_edges[f][k], coarse.face_edges[f][(k + 2) % 3]);
-        (a.min(b), a.max(b))
-    };
-    let corners = || (0..coarse.face_count()).flat_map(|f| [0, 1, 2].map(|k| (f, k)));
-    let mut starts = vec![0; edge_count + 1];
-    for (f, k) in corners() {
-        starts[sides_at(f, k).0 + 1] += 1;
-    }
-    for e in 0..edge_count {
-        starts[e + 1] += starts[e];
-    }
-    let mut cuts = vec![(0, 0, 0); 3 * coarse.face_count()];
-    let mut next = starts.clone();
-    for (f, k) in corners() {
-        let (low, high) = sides_at(f, k);
-        cuts[next[low]] = (high, f, k);
-        next[low] += 1;
-    }
-    let mut cut_edges = vec![[NONE; 3]; coarse.face_count()];
-    for low in 0..edge_count {
-        let bucket = &mut cuts[starts[low]..starts[low + 1]];
-        bucket.sort_unstable();
-        for &(high, f, k) in &*bucket {
-            cut_edges[f][k] = edges.len();
-            edges.push([vertex_count + low, vertex_count + high]);
-            edge_faces.push([4 * f + k, 4 * f + 3]);
-        }
-    }
+    let cut_edges = cut_corners(coarse, &mut edges, &mut edge_faces);
     let mut face_edges = Vec::with_capacity(fine_faces.len());
     for (f, face) in coarse.faces.iter().enumerate() {
         let half = |side: usize, v: usize| {
@@ -148,6 +119,33 @@ fn refine_topology(coarse: &Topology, around: &EdgesAround) -> Topology {
     }
 }
 
+/// Appends the edges inside coarse faces, which cut off their corners, sorted by the two coarse
+/// edges that meet there; returns `[F][3]` the fine edge that cuts off each corner.
+fn cut_corners(
+    coarse: &Topology,
+    edges: &mut Vec<[usize; 2]>,
+    edge_faces: &mut Vec<[usize; 2]>,
+) -> Vec<[usize; 3]> {
+    let corners = (0..coarse.face_count()).flat_map(|f| {
+        let sides = coarse.face_edges[f];
+        [0, 1, 2].map(|k| {
+            let (a, b) = (sides[k], sides[(k + 2) % 3]);
+            (a.min(b), (a.max(b), f, k))
+        })
+    });
+    let mut by_lower_edge = Csr::from_pairs(coarse.edge_count(), corners);
+    let mut cut_edges = vec![[NONE; 3]; coarse.face_count()];
+    for (low, row) in by_lower_edge.rows_mut().enumerate() {
+        row.sort_unstable();
+        for &(high, f, k) in &*row {
+            cut_edges[f][k] = edges.len();
+            edges.push([coarse.vertex_count + low, coarse.vertex_count + high]);
+            edge_faces.push([4 * f + k, 4 * f + 3]);
+        }
+    }
+    cut_edges
+}
+
 /// `[fine E]` true on the halves of coarse creases (`crease`, `[E]`); `fine` is
 /// [`Subdivision::fine`] of a mesh of `coarse_vertex_count` vertices.
 pub fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool]) -> Vec<bool> {
@@ -162,30 +160,18 @@ pub fn halve_creases(fine: &Topology, coarse_vertex_count: usize, crease: &[bool
 fn rest_edges(vertex_count: usize, faces: &[[usize; 3]]) -> (Vec<[usize; 2]>, Vec<[usize; 3]>) {
     let sides = || {
         faces.iter().enumerate().flat_map(|(f, face)| {
-            [0, 1, 2]
-                .map(|k| (face[k].min(face[(k + 1) % 3]), face[k].max(face[(k + 1) % 3]), f, k))
+            [0, 1, 2].map(|k| {
+                let (i, j) = (face[k], face[(k + 1) % 3]);
+                (i.min(j), (i.max(j), f, k))
+            })
         })
     };
-    // Bucketed by lower vertex.
-    let mut starts = vec![0; vertex_count + 1];
-    for (low, ..) in sides() {
-        starts[low + 1] += 1;
-    }
-    for v in 0..vertex_count {
-        starts[v + 1] += starts[v];
-    }
-    let mut next = starts.clone();
-    let mut sorted = vec![(0, 0, 0); 3 * faces.len()];
-    for (low, high, f, k) in sides() {
-        sorted[next[low]] = (high, f, k);
-        next[low] += 1;
-    }
-    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(sorted.len() / 2 + 1);
+    let mut by_lower = Csr::from_pairs(vertex_count, sides());
+    let mut edges: Vec<[usize; 2]> = Vec::with_capacity(by_lower.items().len() / 2 + 1);
     let mut face_edges = vec![[NONE; 3]; faces.len()];
-    for low in 0..vertex_count {
-        let bucket = &mut sorted[starts[low]..starts[low + 1]];
-        bucket.sort_unstable();
-        for &(high, f, k) in &*bucket {
+    for (low, row) in by_lower.rows_mut().enumerate() {
+        row.sort_unstable();
+        for &(high, f, k) in &*row {
             if edges.last() != Some(&[low, high]) {
                 edges.push([low, high]);
             }
@@ -193,38 +179,6 @@ fn rest_edges(vertex_count: usize, faces: &[[usize; 3]]) -> (Vec<[usize; 2]>, Ve
         }
     }
     (edges, face_edges)
-}
-
-/// The edges at each vertex, ascending.
-pub(super) struct EdgesAround {
-    /// `[V+1]` where each vertex's edges start in `edges`.
-    starts: Vec<usize>,
-    edges: Vec<usize>,
-}
-
-impl EdgesAround {
-    fn new(vertex_count: usize, edges: &[[usize; 2]]) -> Self {
-        let mut starts = vec![0; vertex_count + 1];
-        for &v in edges.iter().flatten() {
-            starts[v + 1] += 1;
-        }
-        for v in 0..vertex_count {
-            starts[v + 1] += starts[v];
-        }
-        let mut next = starts.clone();
-        let mut around = vec![0; 2 * edges.len()];
-        for (e, ends) in edges.iter().enumerate() {
-            for &v in ends {
-                around[next[v]] = e;
-                next[v] += 1;
-            }
-        }
-        Self { starts, edges: around }
-    }
-
-    pub(super) fn of(&self, v: usize) -> &[usize] {
-        &self.edges[self.starts[v]..self.starts[v + 1]]
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! the same connectivity carries a rest shape, a pose and fields.
 
 use crate::Result;
-use crate::adjacency::NONE;
+use crate::adjacency::{Csr, NONE};
 use crate::error::MeshError;
 
 /// Connectivity of an orientable manifold triangle mesh (with or without boundary). Never changes
@@ -110,28 +110,32 @@ impl Topology {
     }
 
     /// `[V]` neighbouring vertices of each vertex, ascending.
-    pub fn vertex_neighbours(&self) -> Vec<Vec<usize>> {
-        let mut neighbours = vec![Vec::new(); self.vertex_count];
-        for &[i, j] in &self.edges {
-            neighbours[i].push(j);
-            neighbours[j].push(i);
-        }
-        for list in &mut neighbours {
-            list.sort_unstable();
-        }
+    pub fn vertex_neighbours(&self) -> Csr {
+        let both = self.edges.iter().flat_map(|&[i, j]| [(i, j), (j, i)]);
+        let mut neighbours = Csr::from_pairs(self.vertex_count, both);
+        neighbours.rows_mut().for_each(<[usize]>::sort_unstable);
         neighbours
     }
 
-    /// `[V]` faces around each vertex, ascending.
-    pub fn vertex_faces(&self) -> Vec<Vec<usize>> {
-        let mut around = vec![Vec::new(); self.vertex_count];
-        for (f, face) in self.faces.iter().enumerate() {
-            for &v in face {
-                around[v].push(f);
-            }
-        }
-        around
+    /// `[V]` edges at each vertex, ascending.
+    pub fn vertex_edges(&self) -> Csr {
+        let ends = self.edges.iter().enumerate().flat_map(|(e, &[i, j])| [(i, e), (j, e)]);
+        Csr::from_pairs(self.vertex_count, ends)
     }
+
+    /// `[V]` faces around each vertex, ascending.
+    pub fn vertex_faces(&self) -> Csr {
+        faces_around(self.vertex_count, &self.faces)
+    }
+}
+
+/// `[V]` faces around each vertex, ascending, of any `faces` (`[F][3]`).
+///
+/// # Panics
+/// If a face names a vertex that does not exist.
+pub(super) fn faces_around(vertex_count: usize, faces: &[[usize; 3]]) -> Csr {
+    let corners = faces.iter().enumerate().flat_map(|(f, face)| face.map(|v| (v, f)));
+    Csr::from_pairs(vertex_count, corners)
 }
 
 /// One side of a face: its edge with the lower vertex first, the face, the corner at which the side

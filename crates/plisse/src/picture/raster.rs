@@ -7,6 +7,7 @@
 //! stays.
 
 use super::camera::Frame;
+use crate::adjacency::Csr;
 use crate::mesh::Vec3;
 use rayon::prelude::*;
 
@@ -140,7 +141,7 @@ pub(super) fn see(projected: &Projected, faces: &[[usize; 3]], size: (usize, usi
     seen.faces.par_chunks_mut(width * BAND).enumerate().for_each(|(band, rows)| {
         let top = band * BAND;
         let mut nearest = vec![f32::NEG_INFINITY; rows.len()];
-        for &f in bands.faces(band) {
+        for &f in &bands[band] {
             let face = faces[f as usize];
             if let Some(triangle) = projected.triangle(face) {
                 fill(
@@ -157,21 +158,8 @@ pub(super) fn see(projected: &Projected, faces: &[[usize; 3]], size: (usize, usi
     seen
 }
 
-/// Faces sorted by the bands they touch.
-struct Bands {
-    /// `[bands+1]` where each band's faces start.
-    starts: Vec<usize>,
-    faces: Vec<u32>,
-}
-
-impl Bands {
-    /// Faces touching `band`, ascending.
-    fn faces(&self, band: usize) -> &[u32] {
-        &self.faces[self.starts[band]..self.starts[band + 1]]
-    }
-}
-
-fn faces_of_bands(projected: &Projected, faces: &[[usize; 3]], height: usize) -> Bands {
+/// Faces that touch each band, ascending.
+fn faces_of_bands(projected: &Projected, faces: &[[usize; 3]], height: usize) -> Csr<u32> {
     let touched: Vec<(u32, u32)> = faces
         .par_iter()
         .map(|&face| match projected.triangle(face).map(|t| t.range(1, height)) {
@@ -181,24 +169,11 @@ fn faces_of_bands(projected: &Projected, faces: &[[usize; 3]], height: usize) ->
             _ => (0, 0),
         })
         .collect();
-    let mut starts = vec![0; height.div_ceil(BAND) + 1];
-    for &(first, end) in &touched {
-        for band in first..end {
-            starts[band as usize + 1] += 1;
-        }
-    }
-    for band in 1..starts.len() {
-        starts[band] += starts[band - 1];
-    }
-    let mut next = starts.clone();
-    let mut sorted = vec![0; starts[starts.len() - 1]];
-    for (f, &(first, end)) in touched.iter().enumerate() {
-        for band in first..end {
-            sorted[next[band as usize]] = f as u32;
-            next[band as usize] += 1;
-        }
-    }
-    Bands { starts, faces: sorted }
+    let pairs = touched
+        .iter()
+        .enumerate()
+        .flat_map(|(f, &(first, end))| (first..end).map(move |band| (band as usize, f as u32)));
+    Csr::from_pairs(height.div_ceil(BAND), pairs)
 }
 
 /// Enters face `number` where it is the nearest so far, into rows of `width` samples that start at
