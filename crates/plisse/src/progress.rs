@@ -1,7 +1,6 @@
-//! How long steps tell what they do and hear that they should stop. The library itself never
-//! prints.
+//! Progress of long steps, and their cancellation. The library itself never prints.
 
-/// Where a long step is.
+/// The state of a long step.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Name of the step, e.g. "field".
@@ -18,7 +17,7 @@ pub struct Step {
     pub tolerance: f64,
 }
 
-/// Somebody who watches a long step.
+/// Receiver of the progress of long steps.
 pub trait Observer: Sync {
     /// Called after each iteration.
     fn step(&self, step: &Step);
@@ -28,7 +27,7 @@ pub trait Observer: Sync {
     }
 }
 
-/// Nobody watches.
+/// An observer that ignores everything and never cancels.
 pub struct Silent;
 
 impl Observer for Silent {

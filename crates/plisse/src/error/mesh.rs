@@ -213,13 +213,13 @@ pub enum MeshError {
     /// The mesh of an obstacle is not that of a solid body.
     #[error("{problem}")]
     Obstacle {
-        /// What is wrong with it.
+        /// The fault.
         problem: ObstacleError,
     },
     /// Anything else, said in a sentence.
     #[error("{message}")]
     Other {
-        /// What is wrong and how to fix it.
+        /// The fault and its fix.
         message: String,
     },
 }

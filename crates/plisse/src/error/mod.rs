@@ -26,11 +26,11 @@ pub enum Error {
         place: String,
         /// The file or folder.
         path: PathBuf,
-        /// What was tried, e.g. "reading".
+        /// The operation, e.g. "reading".
         doing: &'static str,
-        /// What the operating system said.
+        /// The operating system's error.
         source: std::io::Error,
-        /// What the user can do.
+        /// The fix.
         fix: &'static str,
     },
     /// The text of a file is not what its format asks for.
@@ -40,7 +40,7 @@ pub enum Error {
         path: PathBuf,
         /// Line in the file, counted from 1.
         line: usize,
-        /// What is wrong and how to fix it.
+        /// The fault and its fix.
         message: String,
     },
     /// A mesh is not usable.
@@ -48,7 +48,7 @@ pub enum Error {
     Mesh {
         /// The file or scene part the mesh came from; empty if nobody has said.
         place: String,
-        /// What is wrong with it.
+        /// The fault.
         problem: MeshError,
     },
     /// A sheet with its clamps, loads and obstacles has no equilibrium to solve for.
@@ -56,7 +56,7 @@ pub enum Error {
     Setup {
         /// The part of the setup, e.g. "clamps".
         place: String,
-        /// What is wrong with it.
+        /// The fault.
         problem: SetupError,
     },
     /// A field of a scene file, a flag or an argument has an unusable value.
@@ -64,7 +64,7 @@ pub enum Error {
     Value {
         /// The field or flag, e.g. "material.poisson".
         field: String,
-        /// What is wrong and which values are allowed.
+        /// The fault, and the values that are allowed.
         message: String,
     },
     /// A numerical step could not go on.
@@ -72,7 +72,7 @@ pub enum Error {
     Numeric {
         /// The step of the pipeline, e.g. "base solve".
         stage: &'static str,
-        /// What happened and how to fix it.
+        /// The fault and its fix.
         message: String,
     },
 }

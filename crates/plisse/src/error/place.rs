@@ -59,9 +59,9 @@ pub(super) fn before(place: &str) -> String {
 impl Error {
     /// The same error with `place` around the place that it has.
     ///
-    /// - The field of an [`Error::Value`] and the part of an [`Error::Setup`] are refined: "poisson"
-    ///   at "material" becomes "material.poisson".
-    /// - An [`Error::Mesh`] takes `place` if it has none; whoever was nearer to the fault knew best.
+    /// - The field of an [`Error::Value`] and the part of an [`Error::Setup`] are refined:
+    ///   "poisson" at "material" becomes "material.poisson".
+    /// - An [`Error::Mesh`] takes `place` if it has none: the place nearest to the fault stays.
     /// - An [`Error::File`] takes the field that names the file. The file in which that field
     ///   stands is added to a field only.
     /// - [`Error::Parse`] and [`Error::Numeric`] know their places, and stay as they are.

@@ -16,10 +16,10 @@ use crate::{Error, Result};
 /// as listed even if all their axes are free.
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be read; [`Error::Parse`] with the line for: no vertex at all, something that is not a
-/// vertex index, an index that is not below `vertex_count`, a wrong number of columns, a coordinate
-/// that is neither a finite number nor `#`, and a published list whose first line does not say how
-/// many follow.
+/// [`Error::File`] if the file cannot be read; [`Error::Parse`] with the line for: no vertex at
+/// all, something that is not a vertex index, an index that is not below `vertex_count`, a wrong
+/// number of columns, a coordinate that is neither a finite number nor `#`, and a published list
+/// whose first line does not say how many follow.
 pub fn read_clamped_vertices(path: &Path, vertex_count: usize) -> Result<Vec<usize>> {
     let text = super::disk::read_text(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text, vertex_count)

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::mesh::{Up, Vec2, Vec3};
 
-/// What is written: a triangle mesh with normals, its arrays borrowed.
+/// A triangle mesh with normals, its arrays borrowed.
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
     /// `[V]` positions (m).
@@ -26,14 +26,15 @@ pub struct Mesh<'a> {
 }
 
 /// Writes `mesh`, in whose coordinates `up` points up, as binary glTF: if that is z, positions and
-/// normals are stored as they are, and the node turns them by −90° about x. It has a double-sided material of roughness 0.6, not metallic, in
-/// `base_colour` (linear red, green, blue, opacity, each 0..1).
+/// normals are stored as they are, and the node turns them by −90° about x. It has a double-sided
+/// material of roughness 0.6, not metallic, in `base_colour` (linear red, green, blue, opacity,
+/// each 0..1).
 ///
 /// Without texture coordinates the vertices keep their numbers. With them they are numbered anew:
 /// by vertex, then by texture coordinate; those on no face are left out.
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidData`] for a mesh without faces, lists whose lengths do
+/// Those of `out`; [`io::ErrorKind::InvalidData`] for a mesh without faces, lists whose lengths do
 /// not match, indices out of range, numbers that are not finite in single precision, a colour
 /// outside 0..1, and files beyond the format's 4 GiB.
 pub fn write<W: Write + ?Sized>(
@@ -54,7 +55,10 @@ pub fn write<W: Write + ?Sized>(
         let offset = views.last().map_or(0, |v| {
             v["byteOffset"].as_u64().unwrap_or(0) + v["byteLength"].as_u64().unwrap_or(0)
         });
-        views.push(json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len() as u64 - offset, "target": target}));
+        views.push(json!({
+            "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() as u64 - offset,
+            "target": target
+        }));
     };
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for i in 0..vertex_count {
@@ -76,7 +80,10 @@ pub fn write<W: Write + ?Sized>(
     }
     end_view(&bytes, ARRAY_BUFFER);
     let mut accessors = vec![
-        json!({"bufferView": 0, "componentType": FLOAT, "count": vertex_count, "type": "VEC3", "min": low, "max": high}),
+        json!({
+            "bufferView": 0, "componentType": FLOAT, "count": vertex_count, "type": "VEC3",
+            "min": low, "max": high
+        }),
         json!({"bufferView": 1, "componentType": FLOAT, "count": vertex_count, "type": "VEC3"}),
     ];
     let mut attributes = json!({"POSITION": 0, "NORMAL": 1});
@@ -87,13 +94,19 @@ pub fn write<W: Write + ?Sized>(
         }
         end_view(&bytes, ARRAY_BUFFER);
         attributes["TEXCOORD_0"] = json!(accessors.len());
-        accessors.push(json!({"bufferView": accessors.len(), "componentType": FLOAT, "count": vertex_count, "type": "VEC2"}));
+        accessors.push(json!({
+            "bufferView": accessors.len(), "componentType": FLOAT, "count": vertex_count,
+            "type": "VEC2"
+        }));
     }
     // `check` has seen that every index fits.
     bytes.extend(faces.iter().flatten().flat_map(|&v| (v as u32).to_le_bytes()));
     end_view(&bytes, ELEMENT_ARRAY_BUFFER);
     let indices = accessors.len();
-    accessors.push(json!({"bufferView": indices, "componentType": UNSIGNED_INT, "count": 3 * faces.len(), "type": "SCALAR"}));
+    accessors.push(json!({
+        "bufferView": indices, "componentType": UNSIGNED_INT, "count": 3 * faces.len(),
+        "type": "SCALAR"
+    }));
 
     let mut node = json!({"mesh": 0});
     if up == Up::Z {
@@ -109,7 +122,9 @@ pub fn write<W: Write + ?Sized>(
         "materials": [{
             "doubleSided": true,
             "alphaMode": if base_colour[3] < 1.0 { "BLEND" } else { "OPAQUE" },
-            "pbrMetallicRoughness": {"baseColorFactor": base_colour, "metallicFactor": 0.0, "roughnessFactor": 0.6},
+            "pbrMetallicRoughness": {
+                "baseColorFactor": base_colour, "metallicFactor": 0.0, "roughnessFactor": 0.6
+            },
         }],
         "accessors": accessors,
         "bufferViews": views,

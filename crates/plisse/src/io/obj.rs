@@ -32,16 +32,17 @@ pub struct Obj {
     pub face_lines: Vec<usize>,
     /// The faces that had more than three corners, in the order of the file, and how they were cut.
     pub cuts: Vec<PolygonCut>,
-    /// What was passed over or mended, a sentence each that begins with the (first) line.
+    /// Remarks about what was passed over or fixed: a sentence each that begins with the (first)
+    /// line.
     pub warnings: Vec<String>,
 }
 
-/// How a face with more than three corners was cut into triangles.
+/// The cut of a face with more than three corners into triangles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PolygonCut {
     /// Number of the face in the file, from 0.
     pub polygon: usize,
-    /// How many corners it has.
+    /// Number of its corners.
     pub corners: usize,
     /// Corners (from 0, in the face's own order) of its triangles.
     pub triangles: Vec<[usize; 3]>,
@@ -50,8 +51,8 @@ pub struct PolygonCut {
 /// Reads the OBJ file at `path`.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Parse`] as told at [`parse`], and for a file that is not UTF-8 text
-/// (other encodings are let pass in comments and names).
+/// [`Error::File`] if it cannot be read; those of [`parse`]; [`Error::Parse`] for a file that is
+/// not UTF-8 text (other encodings are let pass in comments and names).
 pub fn read(path: &Path) -> Result<Obj> {
     let bytes = super::disk::read(path).map_err(|source| Error::reading(path, source))?;
     parse(path, &text_of(path, bytes)?)
@@ -71,9 +72,9 @@ pub fn read_pose(path: &Path, rest: &Obj) -> Result<Obj> {
 /// Reads OBJ `text`; `path` is named in errors only.
 ///
 /// # Errors
-/// [`Error::Parse`] with the line for: empty text, no vertex, no face, a coordinate that is missing, not a number or not finite,
-/// a face with fewer than three (different) corners, an index that is 0, not a number, or beyond
-/// the vertices of the file.
+/// [`Error::Parse`] with the line for: empty text, no vertex, no face, a coordinate that is
+/// missing, not a number or not finite, a face with fewer than three (different) corners, an index
+/// that is 0, not a number, or beyond the vertices of the file.
 pub fn parse(path: &Path, text: &str) -> Result<Obj> {
     parse_with(path, text, None)
 }
@@ -115,7 +116,7 @@ fn parse_with(path: &Path, text: &str, cuts: Option<&[PolygonCut]>) -> Result<Ob
 /// Numbers are written with as few digits as bring back the very same `f64` when read.
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidData`] if the texture faces are not as many as the
+/// Those of `out`; [`io::ErrorKind::InvalidData`] if the texture faces are not as many as the
 /// faces.
 pub fn write<W: Write + ?Sized>(
     out: &mut W,
@@ -204,8 +205,8 @@ fn without_mark(mut text: String) -> String {
 /// A [`Result`] whose error is a sentence, to which the caller adds file and line.
 type Said<T> = std::result::Result<T, String>;
 
-/// What the lines say, before it is known how many vertices there will be: polygons of any size,
-/// indices unchecked.
+/// The contents of the lines, before the number of vertices is known: polygons of any size, indices
+/// unchecked.
 #[derive(Default)]
 struct Raw {
     positions: Vec<Vec3>,
@@ -413,7 +414,7 @@ impl Raw {
     }
 }
 
-/// How often something happened, and the line of the first time.
+/// Number of times that something happened, and the line of the first time.
 #[derive(Default)]
 struct Told {
     count: usize,

@@ -11,7 +11,7 @@ use crate::mesh::Vec3;
 /// and `values`, each a name and a value per vertex (`[V]`, stored as 32-bit floats).
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidData`] for values that are not one per vertex, for a
+/// Those of `out`; [`io::ErrorKind::InvalidData`] for values that are not one per vertex, for a
 /// name that is not made of ASCII letters, digits and `_`, is `x`, `y` or `z`, or is there twice,
 /// and for a vertex index beyond 2³¹ − 1 (the format's integers end there).
 pub fn write<W: Write + ?Sized>(

@@ -25,7 +25,7 @@ pub struct PlyMesh {
     /// Every other property of vertices: its name and `[V]` its values; those of unsigned bytes are
     /// divided by 255.
     pub attributes: Vec<(String, Vec<f64>)>,
-    /// How many faces had more than three corners.
+    /// Number of faces that had more than three corners.
     pub cut: usize,
 }
 
@@ -41,9 +41,9 @@ pub fn read(path: &Path) -> Result<PlyMesh> {
 /// Reads a PLY file's `bytes`; `path` is named in errors only.
 ///
 /// # Errors
-/// [`Error::Mesh`] with the file for: no PLY header, a type or format that there is not, a file that ends too early, vertices without
-/// x, y or z, a coordinate or value that is not finite, no face, a face with fewer than three
-/// corners or a vertex that there is not.
+/// [`Error::Mesh`] with the file for: no PLY header, a type or format that there is not, a file
+/// that ends too early, vertices without x, y or z, a coordinate or value that is not finite, no
+/// face, a face with fewer than three corners or a vertex that there is not.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<PlyMesh> {
     mesh(bytes).map_err(|message| Error::mesh(path.display().to_string(), message))
 }
@@ -104,7 +104,7 @@ struct Element {
     properties: Vec<Property>,
 }
 
-/// What follows the header.
+/// The part of a file that follows the header.
 enum Body<'a> {
     Text(std::str::SplitAsciiWhitespace<'a>),
     Bytes { left: &'a [u8], big: bool },

@@ -1,10 +1,10 @@
-//! A staged output folder: the files of a run are written under temporary names and renamed together
-//! at its end, so that nothing half-written ever appears under its own name, and the outputs of an
-//! earlier run stay until new ones are complete.
+//! A staged output folder: the files of a run are written under temporary names and renamed
+//! together at its end, so that nothing half-written ever appears under its own name, and the
+//! outputs of an earlier run stay until new ones are complete.
 //!
-//! A staged file `name` is called `.name.<process>.part`. Limits: the renames follow each other at once but
-//! are not one step for the operating system; one process should have one [`OutputFolder`] for a
-//! folder at a time.
+//! A staged file `name` is called `.name.<process>.part`. Limits: the renames follow each other at
+//! once but are not one step for the operating system; one process should have one [`OutputFolder`]
+//! for a folder at a time.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};

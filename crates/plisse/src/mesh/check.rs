@@ -1,4 +1,4 @@
-//! What readers do to meshes before use: checks of the geometry that name the vertex or face at
+//! Preparation of meshes that were read: checks of the geometry that name the vertex or face at
 //! fault, and the weld of vertices that a file keeps twice along its seams.
 
 use super::Vec3;
@@ -80,9 +80,7 @@ pub fn weld(positions: &[Vec3], faces: &[[usize; 3]]) -> Welded {
         let mut clusters: Vec<usize> = Vec::new();
         for &(_, v) in group {
             let shares_face = |cluster: usize| {
-                around[v]
-                    .iter()
-                    .any(|&f| faces[f].iter().any(|&u| u != v && lowest[u] == cluster))
+                around[v].iter().any(|&f| faces[f].iter().any(|&u| u != v && lowest[u] == cluster))
             };
             match clusters.iter().find(|&&cluster| !shares_face(cluster)) {
                 Some(&cluster) => lowest[v] = cluster,

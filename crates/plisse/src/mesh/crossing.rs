@@ -1,5 +1,5 @@
-//! Which triangles of a surface cross each other, exactly: boxes by parry, signs by [Shewchuk
-//! 1997]'s adaptive predicates.
+//! Pairs of triangles of a surface that cross each other, exactly: boxes by parry, signs by
+//! [Shewchuk 1997]'s adaptive predicates.
 //!
 //! Two triangles cross if they have a point in common that is not on a corner or side they share.
 //! Triangles that only touch count too. Where all is in one plane, signs in the plane decide.
@@ -34,7 +34,7 @@ fn bounds(corners: [Vec3; 3]) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-/// Whether two faces have a point in common beside the corners and sides they share.
+/// True if two faces have a point in common beside the corners and sides they share.
 fn cross(f: [usize; 3], g: [usize; 3], positions: &[Vec3]) -> bool {
     let shared: Vec<usize> = f.into_iter().filter(|v| g.contains(v)).collect();
     let at = |face: [usize; 3]| face.map(|v| positions[v]);
@@ -63,7 +63,7 @@ fn cross(f: [usize; 3], g: [usize; 3], positions: &[Vec3]) -> bool {
     }
 }
 
-/// Whether a segment and a triangle have a point in common.
+/// True if a segment and a triangle have a point in common.
 fn pierces(segment: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     let ([p, q], [a, b, c]) = (segment, triangle);
     let (from, to) = (volume(&a, &b, &c, &p), volume(&a, &b, &c, &q));
@@ -84,7 +84,7 @@ fn pierces(segment: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     around.iter().all(|&s| s >= 0.0) || around.iter().all(|&s| s <= 0.0)
 }
 
-/// Whether two segments of one plane have a point in common, seen along `axis`.
+/// True if two segments of one plane have a point in common, seen along `axis`.
 fn segments_meet(p: &Vec3, q: &Vec3, a: &Vec3, b: &Vec3, axis: usize) -> bool {
     let opposite = |x: f64, y: f64| (x > 0.0 && y < 0.0) || (x < 0.0 && y > 0.0);
     opposite(side(p, q, a, axis), side(p, q, b, axis))

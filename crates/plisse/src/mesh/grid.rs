@@ -8,7 +8,7 @@ use super::Vec2;
 use super::panel::{MAX_VERTICES, Outline, Panel};
 use crate::{Error, Result};
 
-/// How the cells of a structured panel are cut.
+/// The diagonal along which the cells of a structured panel are cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diagonal {
     /// From the lower left corner to the upper right one.

@@ -99,7 +99,9 @@ mod tests {
         assert_eq!(boxes.len(), 5);
         for i in 0..5 {
             for j in 0..i {
-                assert!((0..2).any(|k| boxes[i][0][k] > boxes[j][1][k] || boxes[j][0][k] > boxes[i][1][k]), "{i} and {j} overlap");
+                let apart =
+                    |k: usize| boxes[i][0][k] > boxes[j][1][k] || boxes[j][0][k] > boxes[i][1][k];
+                assert!((0..2).any(apart), "{i} and {j} overlap");
             }
             // All with the same scale.
             assert!(((boxes[i][1] - boxes[i][0]) - (boxes[0][1] - boxes[0][0])).norm() < 1e-12);

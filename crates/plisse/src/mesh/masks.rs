@@ -1,6 +1,6 @@
 //! The weights of Loop subdivision: smooth values on a fine mesh are weighted means of those on the
-//! coarse one. They are kept as a sparse matrix, so one set of weights serves positions, poses of many
-//! frames and scalar fields.
+//! coarse one. They are kept as a sparse matrix, so one set of weights serves positions, poses of
+//! many frames and scalar fields.
 //!
 //! Weights of [Loop 1987, *Smooth Subdivision Surfaces Based on Triangles*] with Loop's own β for
 //! even vertices, and the cubic B-spline masks 1/8 3/4 1/8 and 1/2 1/2 along boundaries and
@@ -17,7 +17,8 @@ use crate::adjacency::Csr;
 /// Weights of the fine vertices of a [`super::subdivide::Subdivision`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Masks {
-    /// `[fine V + 1]` position at which each fine vertex's entries start in `columns`, `edges` and `weights`.
+    /// `[fine V + 1]` position of each fine vertex's first entry in `columns`, `edges` and
+    /// `weights`.
     starts: Vec<usize>,
     /// Coarse vertices that a fine vertex depends on; the first is the one it comes from: itself,
     /// or the lower end of its edge.
@@ -41,12 +42,7 @@ pub struct Row<'a> {
 
 impl Masks {
     /// As [`super::subdivide::Subdivision::masks`] says; `around` are the edges of `coarse`.
-    pub(super) fn new(
-        coarse: &Topology,
-        around: &Csr,
-        crease: &[bool],
-        corner: &[bool],
-    ) -> Self {
+    pub(super) fn new(coarse: &Topology, around: &Csr, crease: &[bool], corner: &[bool]) -> Self {
         assert!(
             crease.is_empty() || crease.len() == coarse.edge_count(),
             "a crease flag for each edge, or none"

@@ -95,8 +95,9 @@ impl Panel {
     /// # Errors
     /// [`Error::Value`] naming the field for: a size that is not a positive number, an edge length
     /// that is longer than the panel is wide or asks for more than 2 million vertices, an annulus
-    /// with inner ≥ outer radius, a polygon with fewer than 3 corners, a repeated corner, sides that touch or cross,
-    /// named sides that begin at no corner, out of order or with a name that is taken.
+    /// with inner ≥ outer radius, a polygon with fewer than 3 corners, a repeated corner, sides
+    /// that touch or cross, named sides that begin at no corner, out of order or with a name that
+    /// is taken.
     pub fn new(outline: &Outline, edge_length_m: f64, seed: u64) -> Result<Self> {
         check_sizes(outline, edge_length_m)?;
         let boundary = Boundary::new(outline, edge_length_m);
@@ -423,7 +424,7 @@ fn cross(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     (b - a).perp(&(c - a))
 }
 
-/// Whether two closed segments have a point in common.
+/// True if two closed segments have a point in common.
 fn segments_meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
     let (ca, da, ac, bc) = (cross(a, b, c), cross(a, b, d), cross(c, d, a), cross(c, d, b));
     let within = |p: Vec2, q: Vec2, x: Vec2| {

@@ -11,7 +11,7 @@ use super::{Vec2, Vec3};
 pub struct Reach {
     /// `[V]` distance; infinite where nothing was reached.
     distance_m: Vec<f64>,
-    /// `[V]` whether the distance is final.
+    /// `[V]` true if the distance is final.
     settled: Vec<bool>,
     /// Vertices with a distance.
     met: Vec<usize>,

@@ -2,14 +2,14 @@
 //! left for one more (maximal Poisson-disk sampling, by the shrinking cells of [Ebeida et al. 2012,
 //! "A Simple Algorithm for Maximal Poisson-Disk Sampling in High Dimensions"]).
 //!
-//! Why maximal: pairwise distances of at least `r` and no empty circle wider than `r` bound the
-//! smallest angle of the Delaunay triangulation by 30 degrees, with nothing regular about it. Gaps
-//! narrower than 1/5000 of the spacing stay open.
+//! The sampling is maximal because pairwise distances of at least `r` and no empty circle wider
+//! than `r` bound the smallest angle of the Delaunay triangulation by 30 degrees, with nothing
+//! regular about it. Gaps narrower than 1/5000 of the spacing stay open.
 
 use super::Vec2;
 use crate::random::Random;
 
-/// How often the cells in which there may be room are quartered.
+/// Number of times that the cells in which there may be room are quartered.
 const LEVELS: u32 = 12;
 
 /// Points inside `pieces` (closed loops of segments; a point with an odd number of loops around it
@@ -157,7 +157,7 @@ impl Samples {
         self.points.push(p);
     }
 
-    /// Whether `test` holds for a point in the 25 cells around `p`: all points within `spacing` of
+    /// True if `test` holds for a point in the 25 cells around `p`: all points within `spacing` of
     /// `p` are among them.
     fn any_near(&self, p: Vec2, test: impl Fn(Vec2) -> bool) -> bool {
         let [ix, iy] = self.cell_of(p);
@@ -175,12 +175,12 @@ impl Samples {
         false
     }
 
-    /// Whether `p` is at least the spacing from every point.
+    /// True if `p` is at least the spacing from every point.
     fn leave_room(&self, p: Vec2) -> bool {
         !self.any_near(p, |q| (p - q).norm_squared() < self.spacing * self.spacing)
     }
 
-    /// Whether one point's disk covers the whole square of half width `half` around `centre`.
+    /// True if one point's disk covers the whole square of half width `half` around `centre`.
     fn cover(&self, centre: Vec2, half: f64) -> bool {
         self.any_near(centre, |q| {
             ((centre - q).abs() + Vec2::new(half, half)).norm_squared()

@@ -8,7 +8,7 @@ use super::{Topology, Vec2, panel::Panel};
 use crate::Result;
 use crate::error::MeshError;
 
-/// How much the two sides of a seam may differ in length, relative to the longer.
+/// Largest difference in length between the two sides of a seam, relative to the longer.
 const LENGTH_TOLERANCE: f64 = 0.01;
 
 /// Several panels sewn to one surface.
@@ -24,7 +24,7 @@ pub struct Sewn {
     pub rest_faces: Vec<[usize; 3]>,
     /// `[R]` vertex of the surface for each rest vertex.
     pub vertex_of_rest: Vec<usize>,
-    /// `[panels]` whether the panel's faces were flipped so that all faces agree about the outside.
+    /// `[panels]` true if the panel's faces were flipped so that all faces agree about the outside.
     /// Of the panels that hang together, the first is never flipped.
     pub flipped: Vec<bool>,
 }
@@ -101,9 +101,9 @@ pub fn sew(panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     Ok(Sewn { topology, rest_positions, rest_faces, vertex_of_rest, flipped })
 }
 
-/// Where both of two sewn panels cut the same corner off with one face, the two faces would lie on
-/// each other and four would meet at one edge. There the edge of the second pair is turned to the
-/// other diagonal.
+/// Turns doubled ears: if both of two sewn panels cut the same corner off with one face, the two
+/// faces would lie on each other and four would meet at one edge. There the edge of the second pair
+/// is turned to the other diagonal.
 fn turn_doubled_ears(rest_faces: &mut [[usize; 3]], vertex_of_rest: &[usize]) {
     let mut sides: Vec<([usize; 2], usize, usize)> = Vec::with_capacity(3 * rest_faces.len());
     for (f, face) in rest_faces.iter().enumerate() {

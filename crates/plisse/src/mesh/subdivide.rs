@@ -257,7 +257,7 @@ mod tests {
         sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
     }
 
-    /// What fine vertex `v` depends on, and how much.
+    /// Coarse vertices that fine vertex `v` depends on, and their weights.
     fn row(r: &Refinement, v: usize) -> (&[usize], &[f64]) {
         (r.masks.row(v).vertices, r.masks.row(v).weights)
     }

@@ -70,12 +70,12 @@ impl Topology {
         self.edges.len()
     }
 
-    /// Whether only one face touches edge `e`.
+    /// True if only one face touches edge `e`.
     pub fn is_boundary_edge(&self, e: usize) -> bool {
         self.edge_faces[e][1] == NONE
     }
 
-    /// `[V]` whether each vertex lies on the boundary.
+    /// `[V]` true if each vertex lies on the boundary.
     pub fn boundary_vertices(&self) -> Vec<bool> {
         let mut on_boundary = vec![false; self.vertex_count];
         for e in 0..self.edge_count() {

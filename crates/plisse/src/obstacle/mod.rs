@@ -41,7 +41,7 @@ const LEAST_RELATIVE_RADIUS: f64 = 1e-6;
 /// A solid body; immutable.
 #[derive(Clone, Debug)]
 pub struct Obstacle {
-    /// What the user calls it.
+    /// The user's name for it.
     pub name: String,
     shape: Shape,
 }
@@ -56,7 +56,7 @@ enum Shape {
     Triangles(Arc<Triangles>),
 }
 
-/// Where a point lies against an obstacle: the signed distance and its derivatives by the point.
+/// Signed distance of a point to an obstacle, and its derivatives by the point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearby {
     /// Signed distance to the surface (m), negative inside.
@@ -73,7 +73,8 @@ impl Obstacle {
     /// 0) points away from.
     ///
     /// # Errors
-    /// [`Error::Value`] if the point is not finite or beyond 1e6 m, or the normal is not finite or zero.
+    /// [`Error::Value`] if the point is not finite or beyond 1e6 m, or the normal is not finite or
+    /// zero.
     pub fn plane(name: &str, point_m: Vec3, normal: Vec3) -> Result<Self> {
         check_point(name, "point_m", &point_m)?;
         let scale = normal.amax();
@@ -90,7 +91,8 @@ impl Obstacle {
     /// The ball around `centre_m` (m).
     ///
     /// # Errors
-    /// [`Error::Value`] if the radius is not from 1e-9 to 1e6 m, or the centre not finite or beyond 1e6 m.
+    /// [`Error::Value`] if the radius is not from 1e-9 to 1e6 m, or the centre not finite or beyond
+    /// 1e6 m.
     pub fn sphere(name: &str, centre_m: Vec3, radius_m: f64) -> Result<Self> {
         check_point(name, "centre_m", &centre_m)?;
         check_radius(name, "radius_m", radius_m)?;
@@ -102,7 +104,8 @@ impl Obstacle {
     /// contains the other it is that ball.
     ///
     /// # Errors
-    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, or an end not finite or beyond 1e6 m.
+    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, or an end not finite or beyond 1e6
+    /// m.
     pub fn capsule(
         name: &str,
         from_m: Vec3,
@@ -126,8 +129,8 @@ impl Obstacle {
     /// `turn` takes to those of space.
     ///
     /// # Errors
-    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, one is over 1e4 times another, the centre is not finite or beyond
-    /// 1e6 m, or `turn` is not finite.
+    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, one is over 1e4 times another, the
+    /// centre is not finite or beyond 1e6 m, or `turn` is not finite.
     pub fn ellipsoid(
         name: &str,
         centre_m: Vec3,
@@ -160,8 +163,8 @@ impl Obstacle {
     /// `tube_radius_m` (m) has its middle on the circle of `radius_m` (m).
     ///
     /// # Errors
-    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, the tube is as thick as the circle is wide, the centre not finite or beyond
-    /// 1e6 m, or the axis not finite or zero.
+    /// [`Error::Value`] if a radius is not from 1e-9 to 1e6 m, the tube is as thick as the circle
+    /// is wide, the centre not finite or beyond 1e6 m, or the axis not finite or zero.
     pub fn torus(
         name: &str,
         centre_m: Vec3,
@@ -223,7 +226,7 @@ impl Obstacle {
         }
     }
 
-    /// Whether `p` is surely farther outside than `reach_m` (m): a quick answer, where the distance
+    /// True if `p` is surely farther outside than `reach_m` (m): a quick answer, where the distance
     /// takes long.
     pub fn is_beyond(&self, p: &Vec3, reach_m: f64) -> bool {
         match &self.shape {

@@ -5,7 +5,7 @@ use crate::mesh::{Mat3, Vec3};
 
 /// Quads along each side of the picture.
 const QUADS: usize = 24;
-/// How much wider than the shadow the picture is on each side, in widths of the shadow.
+/// Margin of the picture around the shadow on each side, in widths of the shadow.
 const MARGIN: f64 = 0.25;
 
 #[derive(Clone, Debug)]

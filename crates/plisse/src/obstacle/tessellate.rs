@@ -8,7 +8,7 @@ use crate::mesh::Vec3;
 
 /// Vertices around a body of revolution.
 pub(super) const AROUND: usize = 48;
-/// How often each face of the icosahedron is cut in four.
+/// Number of times that each face of the icosahedron is cut in four.
 const HALVINGS: usize = 4;
 
 /// Unit directions and outward faces (5,120) of an icosahedron, halved and blown up to the sphere.

@@ -1,7 +1,7 @@
 //! The body inside a closed mesh: the closest triangle by parry's hierarchy of boxes, the side by
 //! pseudo-normals.
 //!
-//! Where the closest point lies on an edge or vertex, no single face tells inside from outside, but
+//! If the closest point lies on an edge or vertex, no single face tells inside from outside, but
 //! the sum of the faces' unit normals there does, weighted by their angles at a vertex: [Bærentzen
 //! & Aanæs 2005, *Signed Distance Computation Using the Angle Weighted Pseudonormal*]. A face
 //! without area has none; its neighbours stand in for it, so that slivers do no harm.
@@ -563,7 +563,7 @@ mod tests {
     }
 
     #[test]
-    fn mendable_meshes_are_mended() {
+    fn meshes_that_can_be_fixed_are_fixed() {
         let (positions, faces) = cuboid();
         let inside_out: Vec<_> = faces.iter().map(|f| [f[0], f[2], f[1]]).collect();
         // As texture seams leave it: each face with its own vertices.

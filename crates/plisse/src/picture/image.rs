@@ -56,7 +56,7 @@ impl Image {
 /// Writes `image` to `out` as an 8-bit sRGB PNG file.
 ///
 /// # Errors
-/// What `out` answers; also an image without pixels, or with more than 2³¹ − 1 in a row or column,
+/// Those of `out`; also an image without pixels, or with more than 2³¹ − 1 in a row or column,
 /// which PNG cannot hold.
 pub fn write_png(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let side = |n: usize| {

@@ -19,7 +19,7 @@ pub(super) const QUIET: [u8; 3] = [96, 102, 114];
 /// Width and height of a letter (pixels, at letter size 1).
 const LETTER: (usize, usize) = (10, 20);
 
-/// Which point of a text is given.
+/// The point of a text that is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,

@@ -40,7 +40,7 @@ pub struct Subject<'a> {
     pub faces: &'a [[usize; 3]],
 }
 
-/// How a [`Subject`] is coloured.
+/// The colours of a [`Subject`].
 #[derive(Clone, Copy, Debug)]
 pub enum Paint<'a> {
     /// One lit colour.
@@ -81,9 +81,9 @@ pub enum Paint<'a> {
 pub struct PanelView<'a> {
     /// Written above the panel; shortened when it is wider than the panel.
     pub title: &'a str,
-    /// What is drawn.
+    /// The surface to draw.
     pub subject: Subject<'a>,
-    /// How it is coloured.
+    /// Its colours.
     pub paint: Paint<'a>,
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Painted {
     pub(super) image: Image,
     /// Factor by which slopes were steepened for the light; 1 if not.
     pub(super) relief_gain: f32,
-    /// Whether some face carries no wrinkle.
+    /// True if some face carries no wrinkle.
     pub(super) unwrinkled: bool,
 }
 
@@ -255,7 +255,7 @@ fn tinted(normal: Normal, colour: Light) -> Light {
     colour.map(|c| c * shade)
 }
 
-/// How much of a wave is left at `radians_per_sample`: 1 where samples resolve it, 0 from two
+/// Share of a wave that is left at `radians_per_sample`: 1 where samples resolve it, 0 from two
 /// samples per wave on, so that unresolved waves become even grey instead of a false pattern.
 fn resolved(radians_per_sample: f64) -> f64 {
     let t = ((radians_per_sample / std::f64::consts::PI - 0.5) / 0.5).clamp(0.0, 1.0);
@@ -284,7 +284,7 @@ fn wire(triangle: &Triangle, border: [bool; 3], x: usize, y: usize, under: Light
     [0, 1, 2].map(|k| under[k].min(1.0) * (1.0 - ink) + INK[k] * ink)
 }
 
-/// `[F][3]` whether the side from corner `k` to `k+1` belongs to one face only.
+/// `[F][3]` true if the side from corner `k` to `k+1` belongs to one face only.
 fn border_sides(vertex_count: usize, faces: &[[usize; 3]]) -> Vec<[bool; 3]> {
     let mut border = vec![[false; 3]; faces.len()];
     let mut sides = Vec::with_capacity(3 * faces.len());

@@ -1,4 +1,4 @@
-//! Which face is seen at each sample: a z-buffer that keeps face numbers, so that colour is
+//! The face that is seen at each sample: a z-buffer that keeps face numbers, so that colour is
 //! computed once per seen sample.
 //!
 //! Vertices are snapped to 1/256 sample and coverage is decided in integers, so neighbouring faces
@@ -77,7 +77,7 @@ pub(super) struct Triangle {
 }
 
 impl Triangle {
-    /// Whether the corners run counter-clockwise for the viewer.
+    /// True if the corners run counter-clockwise for the viewer.
     pub(super) fn faces_viewer(&self) -> bool {
         self.doubled_area < 0
     }
@@ -122,7 +122,7 @@ impl Triangle {
     }
 }
 
-/// What is seen: `[height][width]` samples.
+/// The visible surface: `[height][width]` samples.
 pub(super) struct Seen {
     pub(super) width: usize,
     pub(super) height: usize,

@@ -92,7 +92,7 @@ impl Relief {
         unit([steep[0], steep[1], steep[2].max(0.02)])
     }
 
-    /// How `n` leans from its neighbourhood's normal, interpolated between the cells around sample
+    /// Lean of `n` from its neighbourhood's normal, interpolated between the cells around sample
     /// `x`, `y`.
     fn lean(&self, n: Normal, x: usize, y: usize) -> [f64; 3] {
         let place = |s: usize, cells: usize| {
