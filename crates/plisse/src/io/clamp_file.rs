@@ -41,79 +41,85 @@ fn parse(path: &Path, text: &str, vertex_count: usize) -> Result<Vec<usize>> {
         .into_iter()
         .filter(|(_, w): &Line<'_>| w.first().is_some_and(|w| !w.starts_with('#')))
         .collect();
-    let Some(last) = lines.last() else {
-        return Err(Error::parse(
-            path,
-            1,
-            "the file names no vertex; give one vertex index (from 0) per line",
-        ));
-    };
+    if lines.is_empty() {
+        let message = "the file names no vertex; give one vertex index (from 0) per line";
+        return Err(Error::parse(path, 1, message));
+    }
     let published = lines.iter().any(|(_, words)| {
         words.len() == 4
             && words[0].parse::<usize>().is_ok()
             && words[1..].iter().all(is_coordinate)
     });
-    let vertex = |line: usize, word: &str| -> Result<usize> {
-        let v: usize = word.parse().map_err(|_| {
-            Error::parse(
-                path,
-                line,
-                format!("'{word}' is not a vertex index; count vertices from 0"),
-            )
-        })?;
-        if v >= vertex_count {
-            let message = format!(
-                "vertex {v} is clamped, but the mesh has only {vertex_count} vertices (from 0); \
-                 correct the index"
-            );
-            return Err(Error::parse(path, line, message));
-        }
-        Ok(v)
-    };
-    let mut vertices = Vec::with_capacity(lines.len());
-    if published {
-        let counted = lines[0].1.len() == 1;
-        for (line, words) in &lines[usize::from(counted)..] {
-            if words.len() != 4 {
-                let message = format!(
-                    "this line has {} column(s); give four (vertex x y z, with # for a free axis)",
-                    words.len()
-                );
-                return Err(Error::parse(path, *line, message));
-            }
-            if let Some(word) = words[1..].iter().find(|w| !is_coordinate(w)) {
-                return Err(Error::parse(
-                    path,
-                    *line,
-                    format!("'{word}' is no coordinate; give a number, or # for a free axis"),
-                ));
-            }
-            vertices.push(vertex(*line, words[0])?);
-        }
-        if counted && lines[0].1[0].parse() != Ok(vertices.len()) {
-            let (line, said, found) = (lines[0].0, lines[0].1[0], vertices.len());
-            let message = format!(
-                "the first line says '{said}', but {found} clamped vertices follow up to line {}; \
-                 correct it",
-                last.0
-            );
-            return Err(Error::parse(path, line, message));
-        }
+    let mut vertices = if published {
+        published_list(path, &lines, vertex_count)?
     } else {
-        for (line, words) in &lines {
-            let columns = words.iter().take_while(|w| !w.starts_with('#')).count();
-            if columns != 1 {
-                let message = format!(
-                    "this line has {columns} column(s); give one vertex index per line, or four \
-                     columns (vertex x y z)"
-                );
-                return Err(Error::parse(path, *line, message));
-            }
-            vertices.push(vertex(*line, words[0].split('#').next().unwrap_or_default())?);
-        }
-    }
+        plain_list(path, &lines, vertex_count)?
+    };
     vertices.sort_unstable();
     vertices.dedup();
+    Ok(vertices)
+}
+
+/// The vertex that `word` in `line` names.
+fn vertex(path: &Path, line: usize, word: &str, vertex_count: usize) -> Result<usize> {
+    let v: usize = word.parse().map_err(|_| {
+        Error::parse(path, line, format!("'{word}' is not a vertex index; count vertices from 0"))
+    })?;
+    if v >= vertex_count {
+        let message = format!(
+            "vertex {v} is clamped, but the mesh has only {vertex_count} vertices (from 0); \
+             correct the index"
+        );
+        return Err(Error::parse(path, line, message));
+    }
+    Ok(v)
+}
+
+/// Vertices of lines `vertex x y z`, of which the first may say how many follow.
+fn published_list(path: &Path, lines: &[Line<'_>], vertex_count: usize) -> Result<Vec<usize>> {
+    let mut vertices = Vec::with_capacity(lines.len());
+    let counted = lines[0].1.len() == 1;
+    for (line, words) in &lines[usize::from(counted)..] {
+        if words.len() != 4 {
+            let message = format!(
+                "this line has {} column(s); give four (vertex x y z, with # for a free axis)",
+                words.len()
+            );
+            return Err(Error::parse(path, *line, message));
+        }
+        if let Some(word) = words[1..].iter().find(|w| !is_coordinate(w)) {
+            let message = format!("'{word}' is no coordinate; give a number, or # for a free axis");
+            return Err(Error::parse(path, *line, message));
+        }
+        vertices.push(vertex(path, *line, words[0], vertex_count)?);
+    }
+    if counted && lines[0].1[0].parse() != Ok(vertices.len()) {
+        let (line, said, found) = (lines[0].0, lines[0].1[0], vertices.len());
+        let message = format!(
+            "the first line says '{said}', but {found} clamped vertices follow up to line {}; \
+             correct it",
+            lines[lines.len() - 1].0
+        );
+        return Err(Error::parse(path, line, message));
+    }
+    Ok(vertices)
+}
+
+/// Vertices of lines with one index each.
+fn plain_list(path: &Path, lines: &[Line<'_>], vertex_count: usize) -> Result<Vec<usize>> {
+    let mut vertices = Vec::with_capacity(lines.len());
+    for (line, words) in lines {
+        let columns = words.iter().take_while(|w| !w.starts_with('#')).count();
+        if columns != 1 {
+            let message = format!(
+                "this line has {columns} column(s); give one vertex index per line, or four \
+                 columns (vertex x y z)"
+            );
+            return Err(Error::parse(path, *line, message));
+        }
+        let word = words[0].split('#').next().unwrap_or_default();
+        vertices.push(vertex(path, *line, word, vertex_count)?);
+    }
     Ok(vertices)
 }
 

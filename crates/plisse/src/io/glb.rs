@@ -45,30 +45,50 @@ pub fn write<W: Write + ?Sized>(
 ) -> io::Result<()> {
     check(mesh, base_colour)?;
     let split = mesh.texture.map(|(_, texture_faces)| split(mesh.faces, texture_faces));
-    let vertex_count = split.as_ref().map_or(mesh.positions.len(), |s| s.vertices.len());
-    let original = |i: usize| split.as_ref().map_or(i, |s| s.vertices[i][0]);
-    let faces = split.as_ref().map_or(mesh.faces, |s| &s.faces);
+    let buffer = buffer_of(mesh, split.as_ref());
+    write_container(out, &document_of(&buffer, base_colour, up), &buffer.bytes)
+}
 
-    let mut bytes: Vec<u8> = Vec::new();
-    let mut views: Vec<Value> = Vec::new();
-    let mut end_view = |bytes: &[u8], target: u32| {
-        let offset = views.last().map_or(0, |v| {
+/// The binary chunk of a file, and the JSON that says what stands in it.
+#[derive(Default)]
+struct Buffer {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    /// Accessors of what vertices carry, by their names.
+    attributes: Value,
+    /// Accessor of the faces' vertices.
+    indices: usize,
+}
+
+impl Buffer {
+    /// Ends the view of the bytes that were written since the last one.
+    fn end_view(&mut self, target: u32) {
+        let offset = self.views.last().map_or(0, |v| {
             v["byteOffset"].as_u64().unwrap_or(0) + v["byteLength"].as_u64().unwrap_or(0)
         });
-        views.push(json!({
-            "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() as u64 - offset,
+        self.views.push(json!({
+            "buffer": 0, "byteOffset": offset, "byteLength": self.bytes.len() as u64 - offset,
             "target": target
         }));
-    };
+    }
+}
+
+/// The arrays of `mesh`, whose vertices are `split` if it has texture coordinates.
+fn buffer_of(mesh: &Mesh<'_>, split: Option<&Split>) -> Buffer {
+    let vertex_count = split.map_or(mesh.positions.len(), |s| s.vertices.len());
+    let original = |i: usize| split.map_or(i, |s| s.vertices[i][0]);
+    let faces = split.map_or(mesh.faces, |s| &s.faces);
+    let mut buffer = Buffer::default();
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for i in 0..vertex_count {
         for (k, x) in single(&mesh.positions[original(i)]).into_iter().enumerate() {
             low[k] = low[k].min(x);
             high[k] = high[k].max(x);
-            bytes.extend(x.to_le_bytes());
+            buffer.bytes.extend(x.to_le_bytes());
         }
     }
-    end_view(&bytes, ARRAY_BUFFER);
+    buffer.end_view(ARRAY_BUFFER);
     for i in 0..vertex_count {
         // Divided by its largest entry first, so that no length over- or underflows.
         let n = mesh.normals[original(i)];
@@ -76,49 +96,55 @@ pub fn write<W: Write + ?Sized>(
             .try_normalize(0.0)
             .filter(|n| n.iter().all(|x| x.is_finite()))
             .unwrap_or_else(Vec3::z);
-        bytes.extend(single(&n).into_iter().flat_map(f32::to_le_bytes));
+        buffer.bytes.extend(single(&n).into_iter().flat_map(f32::to_le_bytes));
     }
-    end_view(&bytes, ARRAY_BUFFER);
-    let mut accessors = vec![
+    buffer.end_view(ARRAY_BUFFER);
+    buffer.accessors = vec![
         json!({
             "bufferView": 0, "componentType": FLOAT, "count": vertex_count, "type": "VEC3",
             "min": low, "max": high
         }),
         json!({"bufferView": 1, "componentType": FLOAT, "count": vertex_count, "type": "VEC3"}),
     ];
-    let mut attributes = json!({"POSITION": 0, "NORMAL": 1});
-    if let (Some(split), Some((coordinates, _))) = (&split, mesh.texture) {
+    buffer.attributes = json!({"POSITION": 0, "NORMAL": 1});
+    if let (Some(split), Some((coordinates, _))) = (split, mesh.texture) {
         for &[_, t] in &split.vertices {
             let uv = [coordinates[t].x as f32, (1.0 - coordinates[t].y) as f32];
-            bytes.extend(uv.into_iter().flat_map(f32::to_le_bytes));
+            buffer.bytes.extend(uv.into_iter().flat_map(f32::to_le_bytes));
         }
-        end_view(&bytes, ARRAY_BUFFER);
-        attributes["TEXCOORD_0"] = json!(accessors.len());
-        accessors.push(json!({
-            "bufferView": accessors.len(), "componentType": FLOAT, "count": vertex_count,
+        buffer.end_view(ARRAY_BUFFER);
+        buffer.attributes["TEXCOORD_0"] = json!(buffer.accessors.len());
+        buffer.accessors.push(json!({
+            "bufferView": buffer.accessors.len(), "componentType": FLOAT, "count": vertex_count,
             "type": "VEC2"
         }));
     }
     // `check` has seen that every index fits.
-    bytes.extend(faces.iter().flatten().flat_map(|&v| (v as u32).to_le_bytes()));
-    end_view(&bytes, ELEMENT_ARRAY_BUFFER);
-    let indices = accessors.len();
-    accessors.push(json!({
-        "bufferView": indices, "componentType": UNSIGNED_INT, "count": 3 * faces.len(),
+    buffer.bytes.extend(faces.iter().flatten().flat_map(|&v| (v as u32).to_le_bytes()));
+    buffer.end_view(ELEMENT_ARRAY_BUFFER);
+    buffer.indices = buffer.accessors.len();
+    buffer.accessors.push(json!({
+        "bufferView": buffer.indices, "componentType": UNSIGNED_INT, "count": 3 * faces.len(),
         "type": "SCALAR"
     }));
+    buffer
+}
 
+/// The JSON chunk of a file with one mesh of one material.
+fn document_of(buffer: &Buffer, base_colour: [f32; 4], up: Up) -> Value {
     let mut node = json!({"mesh": 0});
     if up == Up::Z {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         node["rotation"] = json!([-half, 0.0, 0.0, half]);
     }
-    let document = json!({
+    let primitive =
+        json!({"attributes": buffer.attributes, "indices": buffer.indices, "material": 0});
+    json!({
         "asset": {"version": "2.0", "generator": concat!("Plissé ", env!("CARGO_PKG_VERSION"))},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
-        "meshes": [{"primitives": [{"attributes": attributes, "indices": indices, "material": 0}]}],
+        "meshes": [{"primitives": [primitive]}],
         "materials": [{
             "doubleSided": true,
             "alphaMode": if base_colour[3] < 1.0 { "BLEND" } else { "OPAQUE" },
@@ -126,15 +152,21 @@ pub fn write<W: Write + ?Sized>(
                 "baseColorFactor": base_colour, "metallicFactor": 0.0, "roughnessFactor": 0.6
             },
         }],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": bytes.len()}],
-    });
-    let mut document = serde_json::to_vec(&document)?;
-    document.resize(document.len().next_multiple_of(4), b' ');
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": buffer.bytes.len()}],
+    })
+}
 
-    // A file header and two chunk headers; every list in `bytes` is made of 4-byte numbers, so it
-    // needs no padding.
+/// Writes a file header and two chunks with theirs. Every list in `bytes` is made of 4-byte
+/// numbers, so it needs no padding.
+fn write_container<W: Write + ?Sized>(
+    out: &mut W,
+    document: &Value,
+    bytes: &[u8],
+) -> io::Result<()> {
+    let mut document = serde_json::to_vec(document)?;
+    document.resize(document.len().next_multiple_of(4), b' ');
     let length = |n: usize| {
         u32::try_from(n)
             .map_err(|_| invalid("the mesh is too large for the format's 4 GiB; split it".into()))
@@ -148,7 +180,7 @@ pub fn write<W: Write + ?Sized>(
     out.write_all(&document)?;
     out.write_all(&length(bytes.len())?.to_le_bytes())?;
     out.write_all(b"BIN\0")?;
-    out.write_all(&bytes)
+    out.write_all(bytes)
 }
 
 // Numbers of the glTF 2.0 specification.

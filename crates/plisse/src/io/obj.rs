@@ -5,6 +5,7 @@
 //! anything else is passed over with a warning. Curves and free-form surfaces are not read.
 
 use std::io::{self, Write};
+use std::ops::Range;
 use std::path::Path;
 
 use super::polygon;
@@ -319,38 +320,7 @@ impl Raw {
         for (polygon, &(count, line)) in self.polygons.iter().enumerate() {
             let corners = next..next + count as usize;
             next = corners.end;
-            let beyond = |what: &str, i: u32, n: usize| {
-                let message = format!(
-                    "the face names {what} {}, but the file has only {n} of them; correct the \
-                     index",
-                    u64::from(i) + 1
-                );
-                Error::parse(path, line, message)
-            };
-            kept.clear();
-            for c in corners.clone() {
-                if self.corners[c] as usize >= self.positions.len() {
-                    return Err(beyond("vertex", self.corners[c], self.positions.len()));
-                }
-                if has_texture && self.corner_textures[c] as usize >= self.texture_coordinates.len()
-                {
-                    return Err(beyond(
-                        "texture coordinate",
-                        self.corner_textures[c],
-                        self.texture_coordinates.len(),
-                    ));
-                }
-                let before = if c == corners.start { corners.end - 1 } else { c - 1 };
-                // A triangle with a repeated corner stays, for the mesh checks to name.
-                if count == 3 || cuts.is_some() || self.corners[c] != self.corners[before] {
-                    kept.push(c);
-                }
-            }
-            if kept.len() < 3 {
-                let message =
-                    "the face has fewer than three different corners in a row; remove the line";
-                return Err(Error::parse(path, line, message));
-            }
+            self.keep_corners(path, polygon, corners.clone(), cuts.is_some(), &mut kept)?;
             triangles.clear();
             if count == 3 {
                 triangles.push([0, 1, 2]);
@@ -387,18 +357,7 @@ impl Raw {
                 }
             }
         }
-        for (keyword, line, count) in &self.unknown {
-            obj.warnings.push(format!(
-                "line {line}: '{keyword}' is no known statement and was \
-                passed over ({count} in all)"
-            ));
-        }
-        if let Some(line) = self.untextured_line.filter(|_| self.textured > 0) {
-            obj.warnings.push(format!(
-                "line {line}: this face has no texture coordinates, others have; \
-                    those of all faces were passed over"
-            ));
-        }
+        self.warn(&mut obj.warnings);
         repeated.warn(
             "face names a corner twice in a row; the repetition was dropped",
             &mut obj.warnings,
@@ -411,6 +370,65 @@ impl Raw {
         obj.positions = self.positions;
         obj.texture_coordinates = self.texture_coordinates;
         Ok(obj)
+    }
+
+    /// Puts the different corners of a polygon into `kept`: all of them if it is a triangle (one
+    /// with a repeated corner stays, for the mesh checks to name) or is to be cut as another one
+    /// (`as_given`), else without immediate repetitions.
+    fn keep_corners(
+        &self,
+        path: &Path,
+        polygon: usize,
+        corners: Range<usize>,
+        as_given: bool,
+        kept: &mut Vec<usize>,
+    ) -> Result<()> {
+        let (count, line) = self.polygons[polygon];
+        let beyond = |what: &str, i: u32, n: usize| {
+            let message = format!(
+                "the face names {what} {}, but the file has only {n} of them; correct the index",
+                u64::from(i) + 1
+            );
+            Error::parse(path, line, message)
+        };
+        let has_texture = self.untextured_line.is_none();
+        kept.clear();
+        for c in corners.clone() {
+            let vertex = self.corners[c];
+            if vertex as usize >= self.positions.len() {
+                return Err(beyond("vertex", vertex, self.positions.len()));
+            }
+            if has_texture && self.corner_textures[c] as usize >= self.texture_coordinates.len() {
+                let (texture, n) = (self.corner_textures[c], self.texture_coordinates.len());
+                return Err(beyond("texture coordinate", texture, n));
+            }
+            let before = if c == corners.start { corners.end - 1 } else { c - 1 };
+            if count == 3 || as_given || vertex != self.corners[before] {
+                kept.push(c);
+            }
+        }
+        if kept.len() < 3 {
+            let message =
+                "the face has fewer than three different corners in a row; remove the line";
+            return Err(Error::parse(path, line, message));
+        }
+        Ok(())
+    }
+
+    /// Warnings about what was passed over.
+    fn warn(&self, warnings: &mut Vec<String>) {
+        for (keyword, line, count) in &self.unknown {
+            warnings.push(format!(
+                "line {line}: '{keyword}' is no known statement and was passed over ({count} in \
+                 all)"
+            ));
+        }
+        if let Some(line) = self.untextured_line.filter(|_| self.textured > 0) {
+            warnings.push(format!(
+                "line {line}: this face has no texture coordinates, others have; those of all \
+                 faces were passed over"
+            ));
+        }
     }
 }
 

@@ -30,39 +30,7 @@ pub fn grid(
     [columns, rows]: [Option<usize>; 2],
     diagonal: Diagonal,
 ) -> Result<Panel> {
-    for (field, value) in
-        [("width_m", width_m), ("height_m", height_m), ("edge_length_m", edge_length_m)]
-    {
-        if !(value.is_finite() && value > 0.0) {
-            return Err(Error::value(
-                field,
-                format!("{value} is no length; give a positive number of metres"),
-            ));
-        }
-    }
-    let count = |extent_m: f64, given: Option<usize>| {
-        given.unwrap_or_else(|| ((extent_m / edge_length_m).round() as usize).max(1))
-    };
-    let (m, n) = (count(width_m, columns), count(height_m, rows));
-    for (field, given, cells) in [("columns", columns, m), ("rows", rows, n)] {
-        if cells == 0 {
-            return Err(Error::value(
-                field,
-                "a panel cannot have 0 of them; give a whole number of 1 or more",
-            ));
-        }
-        let field = if given.is_some() { field } else { "edge_length_m" };
-        // Written so that no count overflows.
-        if (m as f64 + 1.0) * (n as f64 + 1.0) > MAX_VERTICES
-            && (given.is_some() || (columns, rows) == (None, None))
-        {
-            let message = format!(
-                "{m} columns and {n} rows have more than 2 million vertices; ask for fewer or a \
-                 longer edge length"
-            );
-            return Err(Error::value(field, message));
-        }
-    }
+    let [m, n] = cell_counts([width_m, height_m], edge_length_m, [columns, rows])?;
 
     // The cells' corners in the order that Panel promises.
     let bottom = (0..m).map(|i| (i, 0));
@@ -105,6 +73,48 @@ pub fn grid(
         sides,
         side_names: Outline::RECTANGLE_SIDES.map(String::from).to_vec(),
     })
+}
+
+/// Checked numbers of columns and rows.
+fn cell_counts(
+    [width_m, height_m]: [f64; 2],
+    edge_length_m: f64,
+    [columns, rows]: [Option<usize>; 2],
+) -> Result<[usize; 2]> {
+    for (field, value) in
+        [("width_m", width_m), ("height_m", height_m), ("edge_length_m", edge_length_m)]
+    {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Error::value(
+                field,
+                format!("{value} is no length; give a positive number of metres"),
+            ));
+        }
+    }
+    let count = |extent_m: f64, given: Option<usize>| {
+        given.unwrap_or_else(|| ((extent_m / edge_length_m).round() as usize).max(1))
+    };
+    let (m, n) = (count(width_m, columns), count(height_m, rows));
+    for (field, given, cells) in [("columns", columns, m), ("rows", rows, n)] {
+        if cells == 0 {
+            return Err(Error::value(
+                field,
+                "a panel cannot have 0 of them; give a whole number of 1 or more",
+            ));
+        }
+        let field = if given.is_some() { field } else { "edge_length_m" };
+        // Written so that no count overflows.
+        if (m as f64 + 1.0) * (n as f64 + 1.0) > MAX_VERTICES
+            && (given.is_some() || (columns, rows) == (None, None))
+        {
+            let message = format!(
+                "{m} columns and {n} rows have more than 2 million vertices; ask for fewer or a \
+                 longer edge length"
+            );
+            return Err(Error::value(field, message));
+        }
+    }
+    Ok([m, n])
 }
 
 #[cfg(test)]

@@ -29,15 +29,32 @@ pub struct Sewn {
     pub flipped: Vec<bool>,
 }
 
+/// A chain of boundary vertices of a panel.
+#[derive(Clone, Copy, Debug)]
+pub struct Chain<'a> {
+    /// The panel.
+    pub panel: usize,
+    /// Its vertices in order along its boundary: a [`Panel::side`], a part of one, or several in a
+    /// row.
+    pub vertices: &'a [usize],
+}
+
 /// Two chains of boundary vertices to be joined: the k-th of `a` to the k-th of `b`.
 #[derive(Clone, Copy, Debug)]
 pub struct Seam<'a> {
-    /// A panel, and vertices of it in order along its boundary: a [`Panel::side`], a part of one,
-    /// or several in a row.
-    pub a: (usize, &'a [usize]),
-    /// The other panel (or the same), and as many of its vertices. Opposite sides of a rectangle
-    /// run against each other, so one of them must be [`reversed`].
-    pub b: (usize, &'a [usize]),
+    /// One chain.
+    pub a: Chain<'a>,
+    /// The other, on another panel or the same, with as many vertices. Opposite sides of a
+    /// rectangle run against each other, so one of them must be [`reversed`].
+    pub b: Chain<'a>,
+}
+
+impl<'a> Seam<'a> {
+    /// The seam between two chains, each given as its panel and vertices.
+    pub fn new(a: (usize, &'a [usize]), b: (usize, &'a [usize])) -> Self {
+        let [a, b] = [a, b].map(|(panel, vertices)| Chain { panel, vertices });
+        Self { a, b }
+    }
 }
 
 /// `chain` from its end to its start.
@@ -64,8 +81,8 @@ pub fn sew(panels: &[Panel], seams: &[Seam<'_>]) -> Result<Sewn> {
     let mut root: Vec<usize> = (0..rest_count).collect();
     for (s, seam) in seams.iter().enumerate() {
         check_seam(s, seam, panels, &boundaries)?;
-        for (&i, &j) in seam.a.1.iter().zip(seam.b.1) {
-            unite(&mut root, first_rest[seam.a.0] + i, first_rest[seam.b.0] + j);
+        for (&i, &j) in seam.a.vertices.iter().zip(seam.b.vertices) {
+            unite(&mut root, first_rest[seam.a.panel] + i, first_rest[seam.b.panel] + j);
         }
     }
     let mut vertex_of_rest = vec![0; rest_count];
@@ -141,8 +158,9 @@ fn check_seam(
     panels: &[Panel],
     boundaries: &[Vec<[usize; 2]>],
 ) -> Result<()> {
-    let joined = [seam.a.0, seam.b.0];
-    let length = |(p, chain): (usize, &[usize])| -> Result<f64> {
+    let joined = [seam.a.panel, seam.b.panel];
+    let length = |chain: Chain<'_>| -> Result<f64> {
+        let p = chain.panel;
         let Some(panel) = panels.get(p) else {
             let panel_count = panels.len();
             return Err(
@@ -150,7 +168,7 @@ fn check_seam(
             );
         };
         let mut length_m = 0.0;
-        for pair in chain.windows(2) {
+        for pair in chain.vertices.windows(2) {
             let (i, j) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
             if boundaries[p].binary_search(&[i, j]).is_err() {
                 return Err(MeshError::SeamOffBoundary {
@@ -166,7 +184,7 @@ fn check_seam(
         Ok(length_m)
     };
     let (a, b) = (length(seam.a)?, length(seam.b)?);
-    let (count_a, count_b) = (seam.a.1.len(), seam.b.1.len());
+    let (count_a, count_b) = (seam.a.vertices.len(), seam.b.vertices.len());
     if count_a != count_b || count_a < 2 || (a - b).abs() > LENGTH_TOLERANCE * a.max(b) {
         return Err(MeshError::UnequalSeam {
             seam: number,
@@ -256,7 +274,7 @@ mod tests {
             Panel::new(&Outline::Rectangle { width_m: 1.4, height_m: 0.74 }, 0.1, 1).unwrap();
         let panels = [panel.clone(), panel.clone()];
         let seams: Vec<Seam<'_>> =
-            panel.sides.iter().map(|side| Seam { a: (0, side), b: (1, side) }).collect();
+            panel.sides.iter().map(|side| Seam::new((0, side), (1, side))).collect();
         let sewn = sew(&panels, &seams).unwrap();
         assert!(sewn.topology.edge_faces.iter().all(|faces| faces[1] != crate::mesh::NONE));
         let area = |f: &[usize; 3]| {
@@ -296,7 +314,7 @@ mod tests {
     fn a_rectangle_becomes_a_cylinder() {
         let panel = rectangle(1.0, 0.5);
         let right = reversed(panel.side("right").unwrap());
-        let seam = Seam { a: (0, panel.side("left").unwrap()), b: (0, &right) };
+        let seam = Seam::new((0, panel.side("left").unwrap()), (0, &right));
         let sewn = sew(std::slice::from_ref(&panel), &[seam]).unwrap();
         assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (0, 2));
         assert_eq!(sewn.topology.vertex_count, panel.positions.len() - right.len());
@@ -304,7 +322,7 @@ mod tests {
         for (face, rest) in sewn.topology.faces.iter().zip(&sewn.rest_faces) {
             assert_eq!(*face, rest.map(|r| sewn.vertex_of_rest[r]));
         }
-        for (&l, &r) in seam.a.1.iter().zip(seam.b.1) {
+        for (&l, &r) in seam.a.vertices.iter().zip(seam.b.vertices) {
             assert_eq!(sewn.vertex_of_rest[l], sewn.vertex_of_rest[r]);
             assert_eq!(panel.positions[l].y, panel.positions[r].y);
         }
@@ -315,8 +333,7 @@ mod tests {
         let panels = [rectangle(0.5, 0.5), rectangle(0.5, 0.5)];
         let left = reversed(panels[1].side("left").unwrap());
         let sewn =
-            sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }])
-                .unwrap();
+            sew(&panels, &[Seam::new((0, panels[0].side("right").unwrap()), (1, &left))]).unwrap();
         assert_eq!(sewn.flipped, [false, false]);
         let mut next = 0;
         for &v in &sewn.vertex_of_rest {
@@ -333,7 +350,7 @@ mod tests {
         let panels = [disk, back];
         let rim = panels[0].side("rim").unwrap();
         let sewn =
-            sew(&panels, &[Seam { a: (0, rim), b: (1, panels[1].side("rim").unwrap()) }]).unwrap();
+            sew(&panels, &[Seam::new((0, rim), (1, panels[1].side("rim").unwrap()))]).unwrap();
         assert_eq!((euler(&sewn.topology), boundary_loops(&sewn.topology)), (2, 0));
         assert_eq!(sewn.flipped, [false, true]);
         for (f, rest) in sewn.rest_faces.iter().enumerate() {
@@ -346,19 +363,17 @@ mod tests {
     #[test]
     fn one_sided_surfaces_are_refused() {
         let panel = rectangle(1.0, 0.5);
-        let seam =
-            Seam { a: (0, panel.side("left").unwrap()), b: (0, panel.side("right").unwrap()) };
+        let seam = Seam::new((0, panel.side("left").unwrap()), (0, panel.side("right").unwrap()));
         let message = sew(std::slice::from_ref(&panel), &[seam]).unwrap_err().to_string();
         assert!(message.contains("Möbius"), "{message}");
         // The same from two panels: one seam fits, the other is twisted.
         let panels = [panel.clone(), panel];
         let [left, right] = ["left", "right"].map(|s| panels[0].side(s).unwrap());
         let back = reversed(right);
-        let twisted = [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, left) }];
+        let twisted = [Seam::new((0, left), (1, &back)), Seam::new((0, right), (1, left))];
         assert!(sew(&panels, &twisted).unwrap_err().to_string().contains("panels 0 and 1"));
         let front = reversed(left);
-        let straight =
-            [Seam { a: (0, left), b: (1, &back) }, Seam { a: (0, right), b: (1, &front) }];
+        let straight = [Seam::new((0, left), (1, &back)), Seam::new((0, right), (1, &front))];
         assert_eq!(euler(&sew(&panels, &straight).unwrap().topology), 0);
     }
 
@@ -366,7 +381,7 @@ mod tests {
     fn unusable_seams_are_named() {
         let panels = [rectangle(1.0, 0.5), rectangle(1.0, 0.52), rectangle(1.0, 0.503)];
         let message = |a: (usize, &[usize]), b: (usize, &[usize])| {
-            sew(&panels, &[Seam { a, b }]).unwrap_err().to_string()
+            sew(&panels, &[Seam::new(a, b)]).unwrap_err().to_string()
         };
         let [bottom, right] = ["bottom", "right"].map(|s| panels[0].side(s).unwrap());
         let text = message((0, bottom), (1, right));
@@ -382,14 +397,11 @@ mod tests {
         assert!(message((0, &[0, 2]), (1, &[0, 2])).contains("vertices 0 and 2 of panel 0"));
         assert!(message((0, &[0, 9999]), (1, &[0, 1])).contains("9999"));
         assert!(message((0, &[0]), (1, &[0])).contains("1 vertices"));
-        assert!(sew(&panels, &[Seam { a: (0, right), b: (2, right) }]).is_ok());
-        let text = sew(
-            &panels,
-            &[Seam { a: (0, right), b: (0, right) }, Seam { a: (0, right), b: (2, right) }],
-        );
+        assert!(sew(&panels, &[Seam::new((0, right), (2, right))]).is_ok());
+        let text =
+            sew(&panels, &[Seam::new((0, right), (0, right)), Seam::new((0, right), (2, right))]);
         assert!(text.is_ok(), "a side sewn to itself changes nothing");
-        let thrice =
-            [Seam { a: (0, bottom), b: (1, bottom) }, Seam { a: (0, bottom), b: (2, bottom) }];
+        let thrice = [Seam::new((0, bottom), (1, bottom)), Seam::new((0, bottom), (2, bottom))];
         assert!(sew(&panels, &thrice).unwrap_err().to_string().contains("shared by 3 faces"));
     }
 }

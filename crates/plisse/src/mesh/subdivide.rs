@@ -254,7 +254,7 @@ mod tests {
             Panel::new(&Outline::Rectangle { width_m: 0.5, height_m: 1.0 }, 0.2, seed).unwrap()
         });
         let left = reversed(panels[1].side("left").unwrap());
-        sew(&panels, &[Seam { a: (0, panels[0].side("right").unwrap()), b: (1, &left) }]).unwrap()
+        sew(&panels, &[Seam::new((0, panels[0].side("right").unwrap()), (1, &left))]).unwrap()
     }
 
     /// Coarse vertices that fine vertex `v` depends on, and their weights.

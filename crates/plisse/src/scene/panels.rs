@@ -219,7 +219,7 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
         };
         chains.push((a, (b.0, b_chain)));
     }
-    let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam { a: *a, b: (b.0, &b.1) }).collect();
+    let seams: Vec<Seam<'_>> = chains.iter().map(|(a, b)| Seam::new(*a, (b.0, &b.1))).collect();
     let sewn = sew(&cut, &seams).at(&place)?;
     let mut rest_positions: Vec<Vec3> =
         sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();

@@ -287,7 +287,7 @@ pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
     let panel =
         Panel::new(&Outline::Rectangle { width_m: TAU, height_m: 5.0 }, edge_length_m, 7).unwrap();
     let left = reversed(panel.side("left").unwrap());
-    let seam = Seam { a: (0, panel.side("right").unwrap()), b: (0, &left) };
+    let seam = Seam::new((0, panel.side("right").unwrap()), (0, &left));
     let sewn = sew(std::slice::from_ref(&panel), &[seam]).unwrap();
     let rest_positions: Vec<Vec3> =
         sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
