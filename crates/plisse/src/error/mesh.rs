@@ -216,7 +216,7 @@ pub enum MeshError {
         /// The fault.
         problem: ObstacleError,
     },
-    /// Anything else, said in a sentence.
+    /// Any other fault, as a sentence.
     #[error("{message}")]
     Other {
         /// The fault and its fix.

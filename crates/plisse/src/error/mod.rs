@@ -46,7 +46,7 @@ pub enum Error {
     /// A mesh is not usable.
     #[error("{}{problem}", place::before(place))]
     Mesh {
-        /// The file or scene part the mesh came from; empty if nobody has said.
+        /// The file or scene part the mesh came from; empty if not yet known.
         place: String,
         /// The fault.
         problem: MeshError,

@@ -159,7 +159,7 @@ const PASSED_OVER: [&str; 15] = [
     "c_interp", "d_interp", "vp",
 ];
 
-/// At most so many different unknown statements are told.
+/// Largest number of different unknown statements in the warnings.
 const UNKNOWN_TOLD: usize = 8;
 
 /// The bytes as text; a file saved in another encoding may have its own bytes in comments and names
@@ -204,7 +204,7 @@ fn without_mark(mut text: String) -> String {
 }
 
 /// A [`Result`] whose error is a sentence, to which the caller adds file and line.
-type Said<T> = std::result::Result<T, String>;
+type Parsed<T> = std::result::Result<T, String>;
 
 /// The contents of the lines, before the number of vertices is known: polygons of any size, indices
 /// unchecked.
@@ -228,7 +228,7 @@ struct Raw {
 }
 
 impl Raw {
-    fn add(&mut self, statement: &str, line: usize) -> Said<()> {
+    fn add(&mut self, statement: &str, line: usize) -> Parsed<()> {
         let mut words = statement.split_ascii_whitespace();
         match words.next() {
             None => {}
@@ -258,7 +258,7 @@ impl Raw {
         Ok(())
     }
 
-    fn add_face<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> Said<()> {
+    fn add_face<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: usize) -> Parsed<()> {
         let first = self.corners.len();
         let mut textured = true;
         for word in words.take_while(|w| !w.starts_with('#')) {
@@ -314,7 +314,7 @@ impl Raw {
             texture_faces: has_texture.then(|| Vec::with_capacity(triangle_count)),
             ..Obj::default()
         };
-        let (mut repeated, mut unsound) = (Told::default(), Told::default());
+        let (mut repeated, mut unsound) = (Occurrences::default(), Occurrences::default());
         let (mut points, mut triangles, mut kept) = (Vec::new(), Vec::new(), Vec::new());
         let mut next = 0;
         for (polygon, &(count, line)) in self.polygons.iter().enumerate() {
@@ -434,12 +434,12 @@ impl Raw {
 
 /// Number of times that something happened, and the line of the first time.
 #[derive(Default)]
-struct Told {
+struct Occurrences {
     count: usize,
     first_line: usize,
 }
 
-impl Told {
+impl Occurrences {
     fn count(&mut self, happened: bool, line: usize) {
         if happened {
             self.count += 1;
@@ -458,7 +458,11 @@ impl Told {
 
 /// The first three words as finite numbers; words beyond are not looked at, those missing beyond
 /// `needed` are 0.
-fn numbers<'a>(words: impl Iterator<Item = &'a str>, needed: usize, need: &str) -> Said<[f64; 3]> {
+fn numbers<'a>(
+    words: impl Iterator<Item = &'a str>,
+    needed: usize,
+    need: &str,
+) -> Parsed<[f64; 3]> {
     let mut values = [0.0; 3];
     let mut found = 0;
     for word in words.take_while(|w| !w.starts_with('#')).take(3) {
@@ -488,7 +492,7 @@ fn colour<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<[f64; 3]> {
 
 /// The index in `part` of the corner `word`, counted from 0, when `count` of what it counts have
 /// been read so far.
-fn index(part: &str, word: &str, count: usize, what: &str) -> Said<u32> {
+fn index(part: &str, word: &str, count: usize, what: &str) -> Parsed<u32> {
     let Ok(number) = part.parse::<i64>() else {
         return Err(format!(
             "'{}' names no {what}; write corners as 'v', 'v/vt', 'v//vn' or 'v/vt/vn'",
@@ -635,7 +639,7 @@ mod tests {
     }
 
     #[test]
-    fn mended_faces_are_told() {
+    fn fixed_faces_are_reported() {
         let repeated = parsed(&format!("{SQUARE}f 1 2 3 3\nf 1 1 3 4\n"));
         assert_eq!(repeated.faces, [[0, 1, 2], [0, 2, 3]]);
         assert!(

@@ -48,7 +48,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<PlyMesh> {
     mesh(bytes).map_err(|message| Error::mesh(path.display().to_string(), message))
 }
 
-type Said<T> = std::result::Result<T, String>;
+type Parsed<T> = std::result::Result<T, String>;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
@@ -63,7 +63,7 @@ enum Kind {
 }
 
 impl Kind {
-    fn named(word: &str) -> Said<Self> {
+    fn named(word: &str) -> Parsed<Self> {
         Ok(match word {
             "char" | "int8" => Self::I8,
             "uchar" | "uint8" => Self::U8,
@@ -111,7 +111,7 @@ enum Body<'a> {
 }
 
 impl Body<'_> {
-    fn number(&mut self, kind: Kind) -> Said<f64> {
+    fn number(&mut self, kind: Kind) -> Parsed<f64> {
         const SHORT: &str = "it ends before all that its header promises; export it anew";
         match self {
             Self::Text(words) => {
@@ -142,7 +142,7 @@ impl Body<'_> {
     }
 
     /// A number that counts or names something.
-    fn whole(&mut self, kind: Kind) -> Said<usize> {
+    fn whole(&mut self, kind: Kind) -> Parsed<usize> {
         let number = self.number(kind)?;
         if number >= 0.0 && number.fract() == 0.0 && number < f64::from(u32::MAX) {
             return Ok(number as usize);
@@ -151,7 +151,7 @@ impl Body<'_> {
     }
 }
 
-fn mesh(bytes: &[u8]) -> Said<PlyMesh> {
+fn mesh(bytes: &[u8]) -> Parsed<PlyMesh> {
     let (elements, mut body) = header(bytes)?;
     let mut mesh = PlyMesh::default();
     let mut polygons: Vec<Vec<usize>> = Vec::new();
@@ -211,7 +211,7 @@ fn mesh(bytes: &[u8]) -> Said<PlyMesh> {
     Ok(mesh)
 }
 
-fn list(property: &Property, body: &mut Body<'_>) -> Said<Vec<usize>> {
+fn list(property: &Property, body: &mut Body<'_>) -> Parsed<Vec<usize>> {
     let indices = ["vertex_indices", "vertex_index"].contains(&property.name.as_str());
     let count = property.count.map_or(Ok(1), |kind| body.whole(kind))?;
     let mut list = Vec::new();
@@ -225,7 +225,7 @@ fn list(property: &Property, body: &mut Body<'_>) -> Said<Vec<usize>> {
     Ok(list)
 }
 
-fn vertices(element: &Element, body: &mut Body<'_>, mesh: &mut PlyMesh) -> Said<()> {
+fn vertices(element: &Element, body: &mut Body<'_>, mesh: &mut PlyMesh) -> Parsed<()> {
     if let Some(property) = element.properties.iter().find(|p| p.count.is_some()) {
         return Err(format!("vertices have a list, '{}'; export it without", property.name));
     }
@@ -262,7 +262,7 @@ fn vertices(element: &Element, body: &mut Body<'_>, mesh: &mut PlyMesh) -> Said<
     Ok(())
 }
 
-fn header(bytes: &[u8]) -> Said<(Vec<Element>, Body<'_>)> {
+fn header(bytes: &[u8]) -> Parsed<(Vec<Element>, Body<'_>)> {
     const NONE: &str = "it is no PLY file (no 'ply' and 'end_header'); give a PLY or OBJ file";
     let mark = b"end_header";
     let end = bytes

@@ -85,7 +85,7 @@ impl Obstacle {
             );
             return Err(Error::value(format!("{name}.normal"), message));
         }
-        Ok(Self::of(name, Shape::Plane(Plane::new(point_m, (normal / scale).normalize()))))
+        Ok(Self::with_shape(name, Shape::Plane(Plane::new(point_m, (normal / scale).normalize()))))
     }
 
     /// The ball around `centre_m` (m).
@@ -96,7 +96,7 @@ impl Obstacle {
     pub fn sphere(name: &str, centre_m: Vec3, radius_m: f64) -> Result<Self> {
         check_point(name, "centre_m", &centre_m)?;
         check_radius(name, "radius_m", radius_m)?;
-        Ok(Self::of(name, Shape::Sphere(Sphere::new(centre_m, radius_m))))
+        Ok(Self::with_shape(name, Shape::Sphere(Sphere::new(centre_m, radius_m))))
     }
 
     /// The convex hull of two balls, a round cone: one around `from_m` with `radius_m`, one around
@@ -122,7 +122,7 @@ impl Obstacle {
             None if radius_m >= end_radius_m => Shape::Sphere(Sphere::new(from_m, radius_m)),
             None => Shape::Sphere(Sphere::new(to_m, end_radius_m)),
         };
-        Ok(Self::of(name, shape))
+        Ok(Self::with_shape(name, shape))
     }
 
     /// The ellipsoid around `centre_m` (m) with `radii_m` (m) along its own x, y and z, which
@@ -156,7 +156,7 @@ impl Obstacle {
                 "the rotation is not finite; give finite angles",
             ));
         }
-        Ok(Self::of(name, Shape::Ellipsoid(Ellipsoid::new(centre_m, radii_m, turn))))
+        Ok(Self::with_shape(name, Shape::Ellipsoid(Ellipsoid::new(centre_m, radii_m, turn))))
     }
 
     /// The solid torus around `axis` (any length but 0) through `centre_m` (m), whose tube of
@@ -190,7 +190,7 @@ impl Obstacle {
             );
             return Err(Error::value(format!("{name}.axis"), message));
         }
-        Ok(Self::of(
+        Ok(Self::with_shape(
             name,
             Shape::Torus(Torus::new(centre_m, (axis / scale).normalize(), radius_m, tube_radius_m)),
         ))
@@ -206,10 +206,10 @@ impl Obstacle {
     /// vertex that is not finite or beyond 1e6 m, an index out of range, an edge on three or more
     /// faces, open edges, neighbouring faces that disagree about outside, no volume.
     pub fn mesh(name: &str, positions: &[Vec3], faces: &[[usize; 3]]) -> Result<Self> {
-        Ok(Self::of(name, Shape::Triangles(Arc::new(Triangles::new(positions, faces)?))))
+        Ok(Self::with_shape(name, Shape::Triangles(Arc::new(Triangles::new(positions, faces)?))))
     }
 
-    fn of(name: &str, shape: Shape) -> Self {
+    fn with_shape(name: &str, shape: Shape) -> Self {
         Self { name: name.to_owned(), shape }
     }
 
