@@ -312,8 +312,8 @@ fn start(
     let mut between = vec![false; sewn.topology.vertex_count];
     for (i, seam) in seams.iter().enumerate() {
         let rest = |(p, v): (usize, usize)| panels[p].rest_vertices.start + v;
-        for (&u, &v) in seam.a.1.iter().zip(seam.b.1) {
-            let (u, v) = (rest((seam.a.0, u)), rest((seam.b.0, v)));
+        for (&u, &v) in seam.a.vertices.iter().zip(seam.b.vertices) {
+            let (u, v) = (rest((seam.a.panel, u)), rest((seam.b.panel, v)));
             if scene.seam[i].start_apart {
                 between[sewn.vertex_of_rest[u]] = true;
                 continue;
