@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use plisse::Result;
-use plisse::io::staged::OutputFolder;
 use plisse::io::obj;
+use plisse::io::staged::OutputFolder;
 use plisse::mesh::Vec3;
 use plisse::picture::{Image, Paint, PanelView, Subject};
 use plisse::progress::{Observer, Step};

@@ -64,7 +64,7 @@ struct Folded {
 
 impl Square {
     fn new(columns: usize, rows: usize) -> Result<Self> {
-        let panel = grid([1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising).at("square")?;
+        let panel = grid([1.0, 1.0], 1.0, [Some(columns), Some(rows)], Diagonal::Rising)?;
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces)?;
         let rest = RestMetric::from_shape(&start, &topology.faces)?;

@@ -26,6 +26,7 @@ use super::equilibrate::{
 use super::load_stepping::{GrowthOptions, StepReport};
 use super::maps::GrowthAt;
 use super::surface::GrowingSurface;
+use crate::adjacency::Csr;
 use crate::mesh::normals::try_vertex_normals;
 use crate::mesh::reach::Reach;
 use crate::mesh::{NONE, Topology, Vec3};
@@ -97,7 +98,7 @@ pub struct Sculpture {
     /// `[V]` imperfections of size 1 (no unit), drawn for the λ that it came with.
     rough: Vec<f64>,
     /// `[V]` faces around each vertex.
-    around: Vec<Vec<usize>>,
+    around: Csr,
     scale: LengthScales,
     reach: Reach,
     /// `[V]` work array for numbering.
