@@ -1,5 +1,6 @@
 //! The faces around vertices, and the vertices within a brush's reach.
 
+use plisse::adjacency::Csr;
 use plisse::mesh::{Vec3 as Wide, reach::Reach};
 use plisse_live::Vec3;
 
@@ -10,32 +11,21 @@ use super::pick::Hit;
 pub struct VertexFaces {
     /// `[F]` faces.
     faces: Vec<[u32; 3]>,
-    /// `[U + 1]` begin of each vertex's faces in `list`.
-    starts: Vec<u32>,
-    /// Faces around vertices.
-    list: Vec<u32>,
+    /// `[U]` faces around each vertex.
+    around: Csr<u32>,
 }
 
 impl VertexFaces {
     /// The adjacency of `faces` over `count` vertices.
     pub fn new(faces: &[[u32; 3]], count: usize) -> Self {
-        let mut starts = vec![0u32; count + 1];
-        faces.iter().flatten().for_each(|&v| starts[v as usize + 1] += 1);
-        (0..count).for_each(|v| starts[v + 1] += starts[v]);
-        let mut next = starts.clone();
-        let mut list = vec![0u32; 3 * faces.len()];
-        for (f, face) in faces.iter().enumerate() {
-            for &v in face {
-                list[next[v as usize] as usize] = f as u32;
-                next[v as usize] += 1;
-            }
-        }
-        Self { faces: faces.to_vec(), starts, list }
+        let corners = faces.iter().enumerate();
+        let pairs = corners.flat_map(|(f, face)| face.iter().map(move |&v| (v as usize, f as u32)));
+        Self { faces: faces.to_vec(), around: Csr::from_pairs(count, pairs) }
     }
 
     /// Faces around vertex `v`.
     pub fn around(&self, v: u32) -> &[u32] {
-        &self.list[self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize]
+        &self.around[v as usize]
     }
 
     /// Vertices closer to `from` than `radius_m` along the surface in this pose, with their
