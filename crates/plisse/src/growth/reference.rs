@@ -32,7 +32,7 @@ use crate::linalg::cholesky::Cholesky;
 use crate::linalg::sparse::SymmetricPattern;
 use crate::material::Material;
 use crate::mesh::normals::try_vertex_normals;
-use crate::mesh::{Mat2, Vec2, Vec3};
+use crate::mesh::{Mat2, Topology, Vec2, Vec3};
 use crate::progress::{Observer, Step};
 use crate::rest::RestMetric;
 use crate::shell::quadratic_bending::QuadraticBending;
@@ -249,13 +249,7 @@ impl<'a> Forces<'a> {
                 cell_m2[v] += grown.faces[f].area_m2 / 3.0;
             }
         }
-        // The rows of quadratic bending are −√(D/2/cell) times the integral of the Laplacian.
-        let stiffness =
-            material.thickness_m.powi(3) / 12.0 * (material.alpha() / 2.0 + material.beta());
-        let mut laplacian = QuadraticBending::new(topology, grown, &material).rows;
-        for (row, cell) in laplacian.iter_mut().zip(&cell_m2) {
-            row.iter_mut().for_each(|(_, c)| *c /= (stiffness * cell).sqrt());
-        }
+        let laplacian = laplacian_rows(topology, grown, &material, &cell_m2);
         let kernel: Vec<[[f64; 3]; 3]> =
             (0..topology.face_count()).map(|f| kernel(surface, &metric, f)).collect();
         let push_k = options.folding / wavelength_m;
@@ -267,18 +261,9 @@ impl<'a> Forces<'a> {
             topology.faces.iter().map(|face| &face[..]),
         );
         let mut values = vec![0.0; pattern.entry_count()];
-        for (f, face) in topology.faces.iter().enumerate() {
-            let g = grown.faces[f].barycentric_gradients();
-            for k in 0..3 {
-                for l in 0..=k {
-                    values[pattern.slot(face[k], face[l])] +=
-                        2.0 * grown.faces[f].area_m2 * g[k].dot(&g[l]);
-                }
-            }
-        }
-        for v in 0..start.len() {
-            values[pattern.slot(v, v)] += area_m2[v] / dt;
-        }
+        let weight = |f: usize| 2.0 * grown.faces[f].area_m2;
+        add_laplacian(topology, grown, weight, &pattern, &mut values);
+        add_mass(&area_m2, dt, &pattern, &mut values);
         let frozen: Vec<bool> =
             surface.maps.vertices.iter().map(|at| at.frozen == [true; 3]).collect();
         let sliding = factorised(pattern, &values, &frozen)?;
@@ -302,18 +287,9 @@ impl<'a> Forces<'a> {
                 }
             }
         }
-        for (f, face) in topology.faces.iter().enumerate() {
-            let g = grown.faces[f].barycentric_gradients();
-            for k in 0..3 {
-                for l in 0..=k {
-                    values[pattern.slot(face[k], face[l])] +=
-                        smooth * metric.faces[f].area_m2 * g[k].dot(&g[l]);
-                }
-            }
-        }
-        for v in 0..start.len() {
-            values[pattern.slot(v, v)] += area_m2[v] / dt;
-        }
+        let weight = |f: usize| smooth * metric.faces[f].area_m2;
+        add_laplacian(topology, grown, weight, &pattern, &mut values);
+        add_mass(&area_m2, dt, &pattern, &mut values);
         let offset = factorised(pattern, &values, &frozen)?;
         let push = (0..start.len())
             .map(|v| {
@@ -435,6 +411,48 @@ impl<'a> Forces<'a> {
     }
 }
 
+/// `[V][…]` (−Δx)_v as coefficients (1/m²) of positions, on cells of `cell_m2` (`[V]`, m²).
+fn laplacian_rows(
+    topology: &Topology,
+    grown: &RestMetric,
+    material: &Material,
+    cell_m2: &[f64],
+) -> Vec<Vec<(usize, f64)>> {
+    // The rows of quadratic bending are −√(D/2/cell) times the integral of the Laplacian.
+    let stiffness =
+        material.thickness_m.powi(3) / 12.0 * (material.alpha() / 2.0 + material.beta());
+    let mut laplacian = QuadraticBending::new(topology, grown, material).rows;
+    for (row, cell) in laplacian.iter_mut().zip(cell_m2) {
+        row.iter_mut().for_each(|(_, c)| *c /= (stiffness * cell).sqrt());
+    }
+    laplacian
+}
+
+/// Adds the stiffness of a scalar Laplacian in the metric `grown`, with a `weight` (m²) of each face.
+fn add_laplacian(
+    topology: &Topology,
+    grown: &RestMetric,
+    weight: impl Fn(usize) -> f64,
+    pattern: &SymmetricPattern,
+    values: &mut [f64],
+) {
+    for (f, face) in topology.faces.iter().enumerate() {
+        let g = grown.faces[f].barycentric_gradients();
+        for k in 0..3 {
+            for l in 0..=k {
+                values[pattern.slot(face[k], face[l])] += weight(f) * g[k].dot(&g[l]);
+            }
+        }
+    }
+}
+
+/// Adds mass over the time step `dt`.
+fn add_mass(area_m2: &[f64], dt: f64, pattern: &SymmetricPattern, values: &mut [f64]) {
+    for (v, area) in area_m2.iter().enumerate() {
+        values[pattern.slot(v, v)] += area / dt;
+    }
+}
+
 fn factorised(pattern: SymmetricPattern, values: &[f64], fixed: &[bool]) -> Result<Cholesky> {
     let mut values = values.to_vec();
     pattern.isolate(&mut values, fixed);
@@ -476,7 +494,6 @@ mod tests {
     use super::super::expansion::Expansion;
     use super::super::maps::GrowthMaps;
     use super::*;
-    use crate::mesh::Topology;
     use crate::mesh::grid::{Diagonal, grid};
     use crate::progress::Silent;
 
