@@ -163,8 +163,8 @@ pub(crate) fn run(study: &mut Study<'_>) -> std::result::Result<(), Stop> {
 fn numbers(study: &mut Study<'_>) -> std::result::Result<(), Stop> {
     study.document.table(
         "Number of folds",
-        "A square of side 1 m, all sides frozen, grown along x; measured 0.1 m and more inside. Λ = \
-         4λ, 8 cells to a wavelength.",
+        "A square of side 1 m, all sides frozen, grown along x; measured 0.1 m and more inside. Λ \
+         = 4λ, 8 cells to a wavelength.",
         &columns(&["folds asked", "growth"]),
     );
     for folds in if study.quick { vec![5.0] } else { vec![5.0, 10.0, 20.0] } {
@@ -184,8 +184,8 @@ fn numbers(study: &mut Study<'_>) -> std::result::Result<(), Stop> {
 fn coherence(study: &mut Study<'_>) -> std::result::Result<(), Stop> {
     study.document.table(
         "Coherence of crests",
-        "The distance along crests within which half of their correlation is left, over λ, by Λ and \
-         by the size of imperfections (in λ). Eight folds asked.",
+        "The distance along crests within which half of their correlation is left, over λ, by Λ \
+         and by the size of imperfections (in λ). Eight folds asked.",
         &columns(&["growth", "imperfection", "Λ/λ"]),
     );
     let folds = 8.0;

@@ -428,7 +428,8 @@ fn laplacian_rows(
     laplacian
 }
 
-/// Adds the stiffness of a scalar Laplacian in the metric `grown`, with a `weight` (m²) of each face.
+/// Adds the stiffness of a scalar Laplacian in the metric `grown`, with a `weight` (m²) of each
+/// face.
 fn add_laplacian(
     topology: &Topology,
     grown: &RestMetric,
