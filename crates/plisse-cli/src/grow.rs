@@ -64,9 +64,8 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
         let mut frame = |pose: &[Vec3], faces: &[[usize; 3]]| {
             if arguments.frames {
                 // Another mesh has no texture coordinates yet.
-                let texture = texture.as_ref().filter(|_| faces == scene.built.topology.faces);
                 let texture =
-                    texture.map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+                    texture.as_ref().filter(|_| faces == scene.built.sheet.topology.faces);
                 folder.write(&format!("frame-{:04}.obj", frames.len()), |out| {
                     obj::write(out, pose, faces, texture)
                 })?;
@@ -74,7 +73,7 @@ pub(crate) fn run(arguments: &GrowArguments, interrupted: &AtomicBool) -> Result
             }
             Ok(())
         };
-        frame(&scene.built.start, &scene.built.topology.faces)?;
+        frame(&scene.built.start, &scene.built.sheet.topology.faces)?;
         let mut each = |pose: &[Vec3], faces: &[[usize; 3]]| {
             watched.bar.inc(1);
             frame(pose, faces)

@@ -101,12 +101,11 @@ pub(crate) fn finish(
     begun: Instant,
     measure: impl FnOnce(&WrinkleField, &FieldReport) -> Vec<Measured>,
 ) -> Result<RunEnd> {
-    let (posed, topology) = (&job.posed, job.posed.topology);
-    let solved =
-        solve(topology, posed.rest, posed.pose, job.held, posed.material, &job.field, bars)?;
+    let (posed, topology) = (&job.posed, &job.posed.sheet.topology);
+    let solved = solve(posed.sheet, posed.pose, job.held, &job.field, bars)?;
     bars.finish();
     let (field, found) = (&solved.field, &solved.report);
-    let mut report = Report::new(job.title, topology, posed.rest, field, found);
+    let mut report = Report::new(job.title, posed.sheet, field, found);
     report.paper = job.paper.map(str::to_owned);
     report.measures = measure(field, found);
     report.notes = job.notes;
@@ -136,7 +135,7 @@ pub(crate) fn finish(
             &wrinkled,
             report.amplitude_m.max,
             job.up,
-            posed.obstacles.0,
+            posed.obstacles,
         )
     };
     let (picture, written) = rayon::join(

@@ -1,9 +1,8 @@
 //! report.json and the short table on the terminal: the same figures.
 
+use plisse::Sheet;
 use plisse::field::{EnergyTerms, FieldReport, Wavelengths, WrinkleField};
 use plisse::linalg::Ending;
-use plisse::mesh::Topology;
-use plisse::rest::RestMetric;
 use plisse::scene::Measured;
 use plisse::shell::{BaseReport, ReferenceReport};
 use serde::Serialize;
@@ -84,8 +83,7 @@ pub(crate) struct Seconds {
 impl Report {
     pub(crate) fn new(
         title: &str,
-        topology: &Topology,
-        rest: &RestMetric,
+        sheet: &Sheet,
         field: &WrinkleField,
         found: &FieldReport,
     ) -> Self {
@@ -95,8 +93,8 @@ impl Report {
             plisse: env!("CARGO_PKG_VERSION"),
             title: title.to_owned(),
             paper: None,
-            vertices: topology.vertex_count,
-            faces: topology.face_count(),
+            vertices: sheet.topology.vertex_count,
+            faces: sheet.topology.face_count(),
             wrinkle_free_faces: field.wrinkle_free.iter().filter(|f| **f).count(),
             generators: found.periods.len(),
             periods: found.periods.iter().map(|p| p.turns).collect(),
@@ -112,7 +110,7 @@ impl Report {
                 max,
                 mean: field.amplitude_m.iter().sum::<f64>() / count,
             },
-            wavelength_m: field.wavelengths(topology, rest),
+            wavelength_m: field.wavelengths(sheet),
             base: None,
             surface: SurfaceSummary { levels: 0, vertices: 0, faces: 0 },
             measures: Vec::new(),

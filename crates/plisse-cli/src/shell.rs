@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
         bars.finish();
         let options = ReferenceOptions {
             iteration_limit: arguments.iterations as usize,
-            imperfection_m: arguments.imperfection * built.material.thickness_m,
+            imperfection_m: arguments.imperfection * built.sheet.material.thickness_m,
             ..ReferenceOptions::default()
         };
         let (pose, found) = solve_reference(&built.setup(), &start, &options, &bars)?;
@@ -94,8 +94,8 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
         let report = Report {
             plisse: env!("CARGO_PKG_VERSION"),
             title: built.title.clone(),
-            vertices: built.topology.vertex_count,
-            faces: built.topology.face_count(),
+            vertices: built.sheet.topology.vertex_count,
+            faces: built.sheet.topology.face_count(),
             iterations: found.iterations,
             ending: shell_ending(&found),
             energy_joule: found.energy_joule,
@@ -143,7 +143,7 @@ fn refine(scene: &mut Scene, finer: f64) -> Result<()> {
 
 /// `[V]` distance (m) of `pose` from `start` along the normal of `start`.
 fn displacement(built: &Built, start: &[Vec3], pose: &[Vec3]) -> Vec<f64> {
-    let normals = vertex_normals(&built.topology, start);
+    let normals = vertex_normals(&built.sheet.topology, start);
     (0..pose.len()).map(|v| (pose[v] - start[v]).dot(&normals[v])).collect()
 }
 
@@ -159,12 +159,12 @@ fn write(
     bars: &Bars<'_>,
 ) -> Result<()> {
     let spinner = bars.spinner("files");
-    let faces = &built.topology.faces;
+    let faces = &built.sheet.topology.faces;
     let texture = built.texture();
-    let texture = texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+    let texture = texture.as_ref();
     folder.write("base.obj", |out| obj::write(out, start, faces, texture))?;
     folder.write("shell.obj", |out| obj::write(out, pose, faces, texture))?;
-    let normals = vertex_normals(&built.topology, pose);
+    let normals = vertex_normals(&built.sheet.topology, pose);
     let mesh = glb::Mesh { positions: pose, normals: &normals, faces, texture };
     folder.write("shell.glb", |out| glb::write(out, &mesh, CLOTH, Up::Z))?;
     if arguments.no_picture {
@@ -206,10 +206,10 @@ fn write(
 
 /// Start, displacement, what compression is left, and the shell.
 fn picture(built: &Built, start: &[Vec3], pose: &[Vec3]) -> plisse::picture::Image {
-    let faces = &built.topology.faces;
+    let faces = &built.sheet.topology.faces;
     let height: Vec<f64> = displacement(built, start, pose).iter().map(|d| 1e3 * d.abs()).collect();
     let mut pressed = vec![0.0_f64; pose.len()];
-    for (face, strain) in faces.iter().zip(strain(&built.topology, &built.rest, pose)) {
+    for (face, strain) in faces.iter().zip(strain(&built.sheet.topology, &built.sheet.rest, pose)) {
         // Ê is twice the strain.
         let percent = 50.0 * (-strain.principal[0]).max(0.0);
         face.iter().for_each(|&v| pressed[v] = pressed[v].max(percent));

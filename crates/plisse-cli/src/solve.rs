@@ -18,11 +18,11 @@ pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Resul
     let mut built = scene::build(&scene)?;
     remove_stale(&mut built.field, &arguments.output.without)?;
     match arguments.output.levels {
-        Some(levels) => check_levels("--levels", Some(levels as usize), &built.topology)?,
+        Some(levels) => check_levels("--levels", Some(levels as usize), &built.sheet.topology)?,
         None => check_levels(
             &format!("{}, surface.levels", arguments.scene.display()),
             built.levels,
-            &built.topology,
+            &built.sheet.topology,
         )?,
     }
     let folder = open_output(&arguments.output, &arguments.scene)?;

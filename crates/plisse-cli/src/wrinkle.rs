@@ -8,9 +8,8 @@ use plisse::io::clamp_file::read_clamped_vertices;
 use plisse::io::garment;
 use plisse::material::Material;
 use plisse::mesh::islands::panel_texture;
-use plisse::rest::RestMetric;
 use plisse::wrinkled::Posed;
-use plisse::{At, Result};
+use plisse::{At, Result, Sheet};
 
 use crate::arguments::WrinkleArguments;
 use crate::pipeline::{Job, check_levels, finish, open_output, remove_stale, with_threads};
@@ -23,31 +22,28 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
     let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };
     remove_stale(&mut field, &arguments.output.without)?;
     let garment = garment::read(&arguments.pose, garment::RestSource::File(&arguments.rest), 1.0)?;
-    let metric =
-        RestMetric::from_shape(&garment.rest_positions, &garment.rest_faces).at(&arguments.rest)?;
-    let topology = &garment.topology;
-    let mut held = vec![false; topology.vertex_count];
+    let texture = garment.texture.or_else(|| panel_texture(&garment.rest_shape));
+    let sheet =
+        Sheet::with_topology(garment.topology, garment.rest_shape, material).at(&arguments.rest)?;
+    let mut held = vec![false; sheet.topology.vertex_count];
     if let Some(path) = &arguments.clamp {
         for v in read_clamped_vertices(path, garment.vertex_of_input.len())? {
             held[garment.vertex_of_input[v]] = true;
         }
     }
-    let texture =
-        garment.texture.or_else(|| panel_texture(&garment.rest_positions, &garment.rest_faces));
-    check_levels("--levels", arguments.output.levels.map(|levels| levels as usize), topology)?;
+    let levels = arguments.output.levels.map(|levels| levels as usize);
+    check_levels("--levels", levels, &sheet.topology)?;
     let folder = open_output(&arguments.output, &arguments.pose)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
         let posed = Posed {
-            topology,
-            rest: &metric,
-            rest_shape: (&garment.rest_positions, &garment.rest_faces),
+            sheet: &sheet,
             texture,
             pose: &garment.positions,
-            material: &material,
             curvature_rings: field.curvature_rings,
-            obstacles: (&[], 0.0),
-            levels: arguments.output.levels.map(|levels| levels as usize),
+            obstacles: &[],
+            clearance_m: 0.0,
+            levels,
             v1: false,
             v2: true,
         };

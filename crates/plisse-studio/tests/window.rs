@@ -284,18 +284,9 @@ fn same_as_the_library(out: &Path) {
     let (pose, _) =
         plisse::shell::solve_base(&built.setup(), &built.start, &built.base, &silent).unwrap();
     let held = built.clamps.held();
-    let solved = plisse::field::solve(
-        &built.topology,
-        &built.rest,
-        &pose,
-        &held,
-        &built.material,
-        &built.field,
-        &silent,
-    )
-    .unwrap();
+    let solved = plisse::field::solve(&built.sheet, &pose, &held, &built.field, &silent).unwrap();
     let mut bytes = Vec::new();
-    plisse::field::json::write(&mut bytes, &built.topology, &solved.field).unwrap();
+    plisse::field::json::write(&mut bytes, &built.sheet.topology, &solved.field).unwrap();
     assert!(bytes == std::fs::read(out.join("field.json")).unwrap(), "field.json differs");
 }
 

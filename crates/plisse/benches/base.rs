@@ -7,7 +7,7 @@
 mod sheets;
 
 use plisse::progress::Silent;
-use plisse::shell::{BaseOptions, solve_base};
+use plisse::shell::{BaseOptions, Setup, solve_base};
 
 fn main() {
     divan::main();
@@ -17,14 +17,9 @@ fn main() {
 fn base(bencher: divan::Bencher, vertices: usize) {
     let (sheet, clamps) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     let solve = || {
-        solve_base(
-            &sheet.setup(&sheets::mylar(), &clamps),
-            &sheet.pose,
-            &BaseOptions::default(),
-            &Silent,
-        )
-        .unwrap()
-        .1
+        solve_base(&Setup::new(&sheet, &clamps), &sheet.pose, &BaseOptions::default(), &Silent)
+            .unwrap()
+            .1
     };
     let report = solve();
     eprintln!(

@@ -16,7 +16,7 @@ fn main() {
 #[divan::bench(args = [300, 1000, 3000, 10000], sample_count = 5, sample_size = 1)]
 fn field(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder_at_rest(sheets::edge_length_for(vertices));
-    let solved = sheet.solve(&sheets::mylar(), &FieldOptions::default());
+    let solved = sheet.solve(&sheet.material, &FieldOptions::default());
     eprintln!(
         "\nfield: {} vertices, {} iterations, {:?}, {:.3} turns",
         sheet.pose.len(),
@@ -24,5 +24,5 @@ fn field(bencher: divan::Bencher, vertices: usize) {
         solved.report.ending,
         solved.report.periods.first().map_or(0.0, |p| p.before_rounding)
     );
-    bencher.bench_local(|| sheet.solve(&sheets::mylar(), &FieldOptions::default()));
+    bencher.bench_local(|| sheet.solve(&sheet.material, &FieldOptions::default()));
 }

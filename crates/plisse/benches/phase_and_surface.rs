@@ -57,26 +57,9 @@ fn subdivide(bencher: divan::Bencher, vertices: usize) {
 fn surface(bencher: divan::Bencher, vertices: usize) {
     let (sheet, _) = sheets::twisted_cylinder(sheets::edge_length_for(vertices));
     let options = FieldOptions::default();
-    let field = solve(
-        &sheet.topology,
-        &sheet.rest,
-        &sheet.pose,
-        &sheet.held,
-        &sheets::mylar(),
-        &options,
-        &Silent,
-    )
-    .unwrap()
-    .field;
+    let field = solve(&sheet, &sheet.pose, &sheet.held, &options, &Silent).unwrap().field;
     bencher.bench_local(|| {
-        let fine = upsample(
-            &sheet.topology,
-            &sheet.pose,
-            &field,
-            &sheet.rest_positions,
-            &sheet.rest_faces,
-            3,
-        );
+        let fine = upsample(&sheet, &sheet.pose, &field, 3);
         displace(&fine, &Displacement { v2: true, v1: None })
     });
 }

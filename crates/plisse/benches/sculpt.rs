@@ -21,7 +21,7 @@ fn main() {
 /// A flat sheet with a stroke of ten dabs, and the next one.
 fn begun(vertices: usize, brush: SculptOptions) -> (Sculpture, Dab) {
     let cells = (vertices as f64).sqrt() as usize;
-    let sheet = sheets::Sheet::lattice(1.0, 1.0, cells, cells);
+    let sheet = sheets::PosedSheet::lattice(1.0, 1.0, cells, cells);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
     let wavelength_m = EDGES / cells as f64;
     let maps = GrowthMaps::even(&expansion, wavelength_m, wavelength_m);

@@ -61,9 +61,13 @@ pub mod remesh;
 pub mod rest;
 pub mod scene;
 pub mod self_contact;
+pub mod sheet;
 pub mod shell;
 pub mod strain;
 pub mod surface;
 pub mod wrinkled;
 
 pub use error::{At, Error, Result};
+pub use material::Material;
+pub use mesh::{Chart, RestShape};
+pub use sheet::Sheet;

@@ -6,28 +6,22 @@ use crate::field::curvature::second_forms;
 use crate::field::{WrinkleField, json};
 use crate::io::staged::OutputFolder;
 use crate::io::{glb, obj};
-use crate::material::Material;
 use crate::mesh::normals::vertex_normals;
-use crate::mesh::subdivide::refine_rest;
-use crate::mesh::{Topology, Up, Vec2, Vec3};
+use crate::mesh::{Chart, Up, Vec3};
 use crate::obstacle::Obstacle;
 use crate::picture::CLOTH;
-use crate::rest::RestMetric;
-use crate::surface::{Displacement, Upsampled, displace, keep_out, suggest_levels, upsample};
+use crate::sheet::Sheet;
+use crate::surface::{
+    Displacement, FirstCorrection, Upsampled, displace, keep_out, suggest_levels, upsample,
+};
 
 /// A base surface in the pose in which it wrinkles.
 #[derive(Clone, Debug)]
 pub struct Posed<'a> {
-    /// The base surface.
-    pub topology: &'a Topology,
-    /// Its rest metric.
-    pub rest: &'a RestMetric,
-    /// Rest positions (`[R]`, m) and those of each face's corners (`[F][3]`).
-    pub rest_shape: (&'a [Vec3], &'a [[usize; 3]]),
+    /// The sheet.
+    pub sheet: &'a Sheet,
     /// `[V]` positions (m).
     pub pose: &'a [Vec3],
-    /// Its material.
-    pub material: &'a Material,
     /// Rings of neighbours that curvature is fitted to, for v₁.
     pub curvature_rings: usize,
     /// Subdivisions asked for; `None`: as many as the wavelength asks for.
@@ -36,10 +30,12 @@ pub struct Posed<'a> {
     pub v1: bool,
     /// Whether to displace by v₂.
     pub v2: bool,
-    /// Bodies that the wrinkles stay out of, and how far (m).
-    pub obstacles: (&'a [Obstacle], f64),
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`).
-    pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// Bodies that the wrinkles stay out of.
+    pub obstacles: &'a [Obstacle],
+    /// Distance (m) that they keep.
+    pub clearance_m: f64,
+    /// Texture coordinates (v up).
+    pub texture: Option<Chart>,
 }
 
 /// A wrinkled surface.
@@ -54,20 +50,20 @@ pub struct Wrinkled {
 impl Posed<'_> {
     /// Subdivisions asked for, else those that the wavelength of `field` asks for.
     pub fn levels(&self, field: &WrinkleField) -> usize {
-        let median_m = || field.wavelengths(self.topology, self.rest).map(|summary| summary.median);
-        self.levels.unwrap_or_else(|| suggest_levels(self.topology, self.rest, median_m()))
+        let median_m = || field.wavelengths(self.sheet).map(|summary| summary.median);
+        self.levels.unwrap_or_else(|| suggest_levels(self.sheet, median_m()))
     }
 
     /// The surface with the wrinkles of `field`, divided `levels` times.
     pub fn wrinkle(&self, field: &WrinkleField, levels: usize) -> Wrinkled {
-        let mut fine =
-            upsample(self.topology, self.pose, field, self.rest_shape.0, self.rest_shape.1, levels);
-        let forms = self.v1.then(|| second_forms(self.topology, self.pose, self.curvature_rings));
-        let how =
-            Displacement { v2: self.v2, v1: forms.as_deref().map(|forms| (forms, self.material)) };
+        let Sheet { topology, material, .. } = self.sheet;
+        let mut fine = upsample(self.sheet, self.pose, field, levels);
+        let forms = self.v1.then(|| second_forms(topology, self.pose, self.curvature_rings));
+        let v1 = forms.as_deref().map(|second_forms| FirstCorrection { second_forms, material });
+        let how = Displacement { v2: self.v2, v1 };
         let mut positions = displace(&fine, &how);
         for places in [&mut positions, &mut fine.base] {
-            keep_out(places, self.obstacles.0, self.obstacles.1);
+            keep_out(places, self.obstacles, self.clearance_m);
         }
         Wrinkled { fine, positions }
     }
@@ -83,18 +79,16 @@ impl Posed<'_> {
         wrinkled: &Wrinkled,
         up: Up,
     ) -> Result<()> {
-        let refined = self
-            .texture
-            .clone()
-            .map(|coarse| (0..wrinkled.fine.levels).fold(coarse, |t, _| refine_rest(&t.0, &t.1)));
-        let coarse = self.texture.as_ref().map(|t| (&t.0[..], &t.1[..]));
-        let texture = refined.as_ref().map(|t| (&t.0[..], &t.1[..]));
+        let topology = &self.sheet.topology;
+        let coarse = self.texture.as_ref();
+        let refined = coarse.map(|chart| chart.refined(wrinkled.fine.levels));
+        let texture = refined.as_ref();
         let (positions, faces) = (&wrinkled.positions, &wrinkled.fine.topology.faces);
-        folder.write("base.obj", |out| obj::write(out, self.pose, &self.topology.faces, coarse))?;
+        folder.write("base.obj", |out| obj::write(out, self.pose, &topology.faces, coarse))?;
         folder.write("wrinkled.obj", |out| obj::write(out, positions, faces, texture))?;
         let normals = vertex_normals(&wrinkled.fine.topology, positions);
         let mesh = glb::Mesh { positions, normals: &normals, faces, texture };
         folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, up))?;
-        folder.write("field.json", |out| json::write(out, self.topology, field))
+        folder.write("field.json", |out| json::write(out, topology, field))
     }
 }

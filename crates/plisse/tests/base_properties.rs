@@ -11,20 +11,20 @@ use plisse::material::Material;
 use plisse::mesh::Vec3;
 use plisse::progress::{Observer, Silent, Step};
 use plisse::shell::base::defects;
-use plisse::shell::{BaseOptions, BaseReport, Clamps, solve_base};
+use plisse::shell::{BaseOptions, BaseReport, Clamps, Setup, solve_base};
 
-use sheets::{Random, Sheet, mylar, twisted_cylinder};
+use sheets::{PosedSheet, Random, mylar, twisted_cylinder};
 
 fn material() -> Material {
     Material::new(1e6, 0.3, 1e-3).unwrap()
 }
 
-fn base(sheet: &Sheet, clamps: &Clamps, options: &BaseOptions) -> (Vec<Vec3>, BaseReport) {
-    solve_base(&sheet.setup(&material(), clamps), &sheet.pose, options, &Silent).unwrap()
+fn base(sheet: &PosedSheet, clamps: &Clamps, options: &BaseOptions) -> (Vec<Vec3>, BaseReport) {
+    solve_base(&Setup::new(&sheet.of(&material()), clamps), &sheet.pose, options, &Silent).unwrap()
 }
 
 /// Areas of the pose's faces relative to rest.
-fn area_ratios(sheet: &Sheet, pose: &[Vec3]) -> Vec<f64> {
+fn area_ratios(sheet: &PosedSheet, pose: &[Vec3]) -> Vec<f64> {
     let area = |f: &[usize; 3]| {
         let [a, b, c] = f.map(|v| pose[v]);
         0.5 * (b - a).cross(&(c - a)).norm()
@@ -41,8 +41,8 @@ fn area_ratios(sheet: &Sheet, pose: &[Vec3]) -> Vec<f64> {
 // ── Pulled ──────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 /// A strip of 1 × 0.4 m that is pulled along x to `1 + pull`, its ends free to narrow.
-fn pulled_strip(pull: f64) -> (Sheet, Clamps) {
-    let sheet = Sheet::rectangle(1.0, 0.4, 0.08, 2);
+fn pulled_strip(pull: f64) -> (PosedSheet, Clamps) {
+    let sheet = PosedSheet::rectangle(1.0, 0.4, 0.08, 2);
     let mut clamps = Clamps::none(sheet.pose.len());
     for (target, p) in clamps.targets.iter_mut().zip(&sheet.pose) {
         if p.x < 1e-9 || p.x > 1.0 - 1e-9 {
@@ -96,7 +96,7 @@ fn a_pulled_strip_narrows_by_poissons_ratio() {
 /// Both ways pulled, the pose is affine and the energy St. Venant–Kirchhoff's.
 #[test]
 fn a_sheet_pulled_both_ways_is_taut() {
-    let mut sheet = Sheet::rectangle(1.0, 0.7, 0.1, 4);
+    let mut sheet = PosedSheet::rectangle(1.0, 0.7, 0.1, 4);
     let mut clamps = Clamps::none(sheet.pose.len());
     let target = |p: &Vec3| Vec3::new(1.04 * p.x, 1.07 * p.y, 0.0);
     for (v, on_rim) in sheet.topology.boundary_vertices().into_iter().enumerate() {
@@ -125,7 +125,7 @@ fn a_sheet_pulled_both_ways_is_taut() {
 // ── Slack ───────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 /// A strip of 1 × 0.4 m whose ends, held in x and z, come 5 % nearer to each other.
-fn slack_strip() -> (Sheet, Clamps) {
+fn slack_strip() -> (PosedSheet, Clamps) {
     pulled_strip(-0.05)
 }
 
@@ -188,7 +188,8 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
         let options = BaseOptions { compressive_stiffness: share, ..BaseOptions::default() };
         let thin = Material { thickness_m: 1e-7, ..material() };
         let (pose, report) =
-            solve_base(&sheet.setup(&thin, &clamps), &sheet.pose, &options, &Silent).unwrap();
+            solve_base(&Setup::new(&sheet.of(&thin), &clamps), &sheet.pose, &options, &Silent)
+                .unwrap();
         let ratios = area_ratios(&sheet, &pose);
         let (low, high) =
             ratios.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), &r| (l.min(r), h.max(r)));
@@ -216,9 +217,14 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
 #[test]
 fn rigid_motions_move_the_result_along() {
     let (sheet, clamps) = twisted_cylinder(0.45);
-    let solve = |sheet: &Sheet, clamps: &Clamps| {
-        solve_base(&sheet.setup(&mylar(), clamps), &sheet.pose, &BaseOptions::default(), &Silent)
-            .unwrap()
+    let solve = |sheet: &PosedSheet, clamps: &Clamps| {
+        solve_base(
+            &Setup::new(&sheet.of(&mylar()), clamps),
+            &sheet.pose,
+            &BaseOptions::default(),
+            &Silent,
+        )
+        .unwrap()
     };
     let (pose, report) = solve(&sheet, &clamps);
     let turn = Rotation3::from_euler_angles(0.3, 1.1, -0.6);
@@ -247,7 +253,8 @@ fn any_number_of_threads_gives_the_same_bits() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let options = BaseOptions::default();
         pool.install(|| {
-            solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &Silent).unwrap()
+            solve_base(&Setup::new(&sheet.of(&mylar()), &clamps), &sheet.pose, &options, &Silent)
+                .unwrap()
         })
     };
     let bits = |pose: &[Vec3]| -> Vec<u64> {
@@ -274,7 +281,8 @@ fn energy_never_rises() {
     let energies = Energies(Mutex::new(Vec::new()));
     let options = BaseOptions::default();
     let (_, report) =
-        solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &options, &energies).unwrap();
+        solve_base(&Setup::new(&sheet.of(&mylar()), &clamps), &sheet.pose, &options, &energies)
+            .unwrap();
     let energies = energies.0.into_inner().unwrap();
     assert!(
         energies.len() > 2 && energies.windows(2).all(|p| p[1] <= p[0] * (1.0 + 1e-12)),
@@ -295,7 +303,7 @@ fn clamped_coordinates_are_met_exactly() {
 }
 
 /// 4 × 4 squares of 1 m, cut in two; vertex (2, 2) is number 12.
-fn squares() -> Sheet {
+fn squares() -> PosedSheet {
     let at = |i: usize, j: usize| 5 * j + i;
     let mut faces = Vec::new();
     for j in 0..4 {
@@ -306,7 +314,7 @@ fn squares() -> Sheet {
     }
     let positions: Vec<Vec3> =
         (0..25).map(|v| Vec3::new((v % 5) as f64, (v / 5) as f64, 0.0)).collect();
-    Sheet::new(positions.clone(), faces.clone(), faces, positions)
+    PosedSheet::at_rest(positions, faces)
 }
 
 #[test]
@@ -338,7 +346,8 @@ fn what_nothing_holds_is_named() {
     let sheet = squares();
     let message = |clamps: &Clamps| {
         let options = BaseOptions::default();
-        let result = solve_base(&sheet.setup(&material(), clamps), &sheet.pose, &options, &Silent);
+        let result =
+            solve_base(&Setup::new(&sheet.of(&material()), clamps), &sheet.pose, &options, &Silent);
         result.unwrap_err().to_string()
     };
     let mut clamps = Clamps::none(25);
@@ -348,5 +357,8 @@ fn what_nothing_holds_is_named() {
         clamps.targets[0][axis] = Some(0.0);
     }
     let options = BaseOptions::default();
-    assert!(solve_base(&sheet.setup(&material(), &clamps), &sheet.pose, &options, &Silent).is_ok());
+    assert!(
+        solve_base(&Setup::new(&sheet.of(&material()), &clamps), &sheet.pose, &options, &Silent)
+            .is_ok()
+    );
 }

@@ -6,13 +6,14 @@ mod sheets;
 use std::sync::Mutex;
 
 use nalgebra::Rotation3;
+use plisse::Sheet;
 use plisse::material::Material;
 use plisse::mesh::Vec3;
 use plisse::obstacle::Obstacle;
 use plisse::progress::{Observer, Step};
 use plisse::shell::{Clamps, Loads, Setup};
 
-use sheets::{Equilibrium, Sheet, Solver, icosphere};
+use sheets::{Equilibrium, PosedSheet, Solver, icosphere};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 const THICKNESS_M: f64 = 0.01;
@@ -30,9 +31,9 @@ const WEIGHT_NEWTON: f64 = 200.0 * 1e-3 * 9.81;
 
 /// A square of 1 m at this height, its middle over the origin; the vertex nearest to it is held in
 /// x and y.
-fn square(edge_length_m: f64, height_m: f64) -> (Sheet, Clamps) {
-    let sheet =
-        Sheet::rectangle(1.0, 1.0, edge_length_m, 5).posed(|p| p + Vec3::new(-0.5, -0.5, height_m));
+fn square(edge_length_m: f64, height_m: f64) -> (PosedSheet, Clamps) {
+    let sheet = PosedSheet::rectangle(1.0, 1.0, edge_length_m, 5)
+        .posed(|p| p + Vec3::new(-0.5, -0.5, height_m));
     let mut clamps = Clamps::none(sheet.pose.len());
     let apart = |v: usize| sheet.pose[v].xy().norm();
     let middle = (0..sheet.pose.len()).min_by(|&u, &v| apart(u).total_cmp(&apart(v))).unwrap();
@@ -58,17 +59,12 @@ fn plate(reach_m: f64, thickness_m: f64) -> Obstacle {
     Obstacle::mesh("plate", &corners, &faces).unwrap()
 }
 
-fn contact<'a>(
-    sheet: &'a Sheet,
-    material: &'a Material,
-    clamps: &'a Clamps,
-    obstacles: &'a [Obstacle],
-) -> Setup<'a> {
+fn contact<'a>(sheet: &'a Sheet, clamps: &'a Clamps, obstacles: &'a [Obstacle]) -> Setup<'a> {
     Setup {
         loads: weight(),
         obstacles,
         contact_thickness_m: THICKNESS_M,
-        ..sheet.setup(material, clamps)
+        ..Setup::new(sheet, clamps)
     }
 }
 
@@ -93,7 +89,7 @@ fn a_cloth_drapes_over_balls_and_floors() {
         let mut start = sheet.pose.clone();
         for solver in Solver::BOTH {
             let solved =
-                solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &start).unwrap();
+                solver.solve(&contact(&sheet.of(&material), &clamps, &obstacles), &start).unwrap();
             let clear = clearance(&solved.pose, &obstacles);
             let height = |pose: &[Vec3]| pose.iter().map(|p| p.z).sum::<f64>() / pose.len() as f64;
             eprintln!(
@@ -123,7 +119,7 @@ fn a_floor_bears_the_weight() {
     for solver in Solver::BOTH {
         let [low, high] = [0.0, 1e-3].map(|z| {
             let obstacles = [Obstacle::plane("floor", Vec3::new(0.0, 0.0, z), Vec3::z()).unwrap()];
-            solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap()
+            solver.solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose).unwrap()
         });
         let force = (high.energy_joule - low.energy_joule) / 1e-3;
         let (least, most) =
@@ -150,7 +146,7 @@ fn a_start_that_intersects_is_mended_or_refused() {
         // 1 cm inside.
         let (sheet, clamps) = square(0.1, 0.29);
         let solved =
-            solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap();
+            solver.solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose).unwrap();
         let inside: Vec<bool> = sheet.pose.iter().map(|p| p.norm() < 0.3).collect();
         let faces: Vec<usize> = (0..sheet.topology.face_count())
             .filter(|&f| sheet.topology.faces[f].iter().any(|&v| inside[v]))
@@ -161,7 +157,7 @@ fn a_start_that_intersects_is_mended_or_refused() {
         // Through the middle.
         let (sheet, clamps) = square(0.1, 0.0);
         let error = solver
-            .solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose)
+            .solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose)
             .unwrap_err()
             .to_string();
         assert!(
@@ -175,7 +171,7 @@ fn a_start_that_intersects_is_mended_or_refused() {
         let middle = clamps.held().iter().position(|&held| held).unwrap();
         clamps.hold(middle, Vec3::new(0.0, 0.0, 0.28));
         let error = solver
-            .solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose)
+            .solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose)
             .unwrap_err()
             .to_string();
         let named = sheet.topology.faces.iter().position(|f| f.contains(&middle)).unwrap();
@@ -195,12 +191,12 @@ fn obstacles_larger_than_the_sheet_are_no_trouble() {
     for solver in Solver::BOTH {
         let (sheet, clamps) = square(0.2, 0.05);
         let solved =
-            solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap();
+            solver.solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose).unwrap();
         eprintln!("{solver:?}: {:?} after {}", solved.ending, solved.iterations);
         assert!(solved.settled() && clearance(&solved.pose, &obstacles) > 0.0);
         let (sheet, clamps) = square(0.2, -50.0);
         let error = solver
-            .solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose)
+            .solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose)
             .unwrap_err()
             .to_string();
         assert!(error.contains("globe") && error.contains("too deep"), "{error}");
@@ -214,8 +210,8 @@ fn a_film_stays_on_its_side_of_a_thin_plate() {
     let obstacles = [plate(2.0, 1e-4)];
     for solver in Solver::BOTH {
         let (sheet, clamps) = square(0.2, 0.4);
-        let setup =
-            Setup { contact_thickness_m: 1e-3, ..contact(&sheet, &film, &clamps, &obstacles) };
+        let thin = sheet.of(&film);
+        let setup = Setup { contact_thickness_m: 1e-3, ..contact(&thin, &clamps, &obstacles) };
         let solved = solver.solve(&setup, &sheet.pose).unwrap();
         eprintln!("{solver:?}: {:?} after {}", solved.ending, solved.iterations);
         assert!(solved.settled() && solved.pose.iter().all(|p| p.z > 0.0 && p.z < 1e-3));
@@ -235,13 +231,13 @@ fn no_clamp_drags_a_cloth_through_a_plate() {
         }
         let obstacles = [plate(2.0, 1e-3)];
         let error = solver
-            .solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose)
+            .solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose)
             .unwrap_err()
             .to_string();
         assert!(error.contains("\"plate\"") && error.contains("clamp takes vertex 0 "), "{error}");
         let obstacles = [plate(0.25, 1e-3)];
         let solved =
-            solver.solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose).unwrap();
+            solver.solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose).unwrap();
         let clear = clearance(&solved.pose, &obstacles);
         eprintln!(
             "{solver:?}: {:?} after {}, {clear:.1e} m clear",
@@ -261,7 +257,7 @@ fn a_cloth_beside_every_obstacle_falls_and_is_refused() {
     for solver in Solver::BOTH {
         let (sheet, clamps) = square(0.3, 0.0);
         let error = solver
-            .solve(&contact(&sheet, &material, &clamps, &obstacles), &sheet.pose)
+            .solve(&contact(&sheet.of(&material), &clamps, &obstacles), &sheet.pose)
             .unwrap_err()
             .to_string();
         assert!(error.contains("falls for ever"), "{error}");
@@ -272,10 +268,13 @@ fn a_cloth_beside_every_obstacle_falls_and_is_refused() {
 
 /// A strip held at both ends that sinks onto a ball, or a closed ball under pressure between two
 /// walls.
-fn cases(scale: f64, motion: impl Fn(Vec3) -> Vec3) -> [(Sheet, Clamps, Loads, Vec<Obstacle>); 2] {
+fn cases(
+    scale: f64,
+    motion: impl Fn(Vec3) -> Vec3,
+) -> [(PosedSheet, Clamps, Loads, Vec<Obstacle>); 2] {
     let turned = |direction: Vec3| motion(direction) - motion(Vec3::zeros());
     let place = |p: Vec3| motion(p * scale);
-    let mut strip = Sheet::lattice(scale, 0.25 * scale, 16, 4);
+    let mut strip = PosedSheet::lattice(scale, 0.25 * scale, 16, 4);
     let mut held = Clamps::none(strip.pose.len());
     for v in 0..strip.pose.len() {
         strip.pose[v] = motion(strip.pose[v]);
@@ -288,7 +287,7 @@ fn cases(scale: f64, motion: impl Fn(Vec3) -> Vec3) -> [(Sheet, Clamps, Loads, V
     // Gravity falls as lengths grow, so that strains stay.
     let loads =
         Loads { density_kg_m3: 200.0, gravity_m_s2: turned(GRAVITY) / scale, ..Loads::default() };
-    let closed = Sheet::ball(0.5 * scale, 2).posed(&motion);
+    let closed = PosedSheet::ball(0.5 * scale, 2).posed(&motion);
     let wall = |name: &str, x: f64| {
         Obstacle::plane(name, place(Vec3::new(x, 0.0, 0.0)), turned(Vec3::x()) * -x).unwrap()
     };
@@ -301,16 +300,17 @@ fn cases(scale: f64, motion: impl Fn(Vec3) -> Vec3) -> [(Sheet, Clamps, Loads, V
 fn solve_case(
     solver: Solver,
     scale: f64,
-    case: &(Sheet, Clamps, Loads, Vec<Obstacle>),
+    case: &(PosedSheet, Clamps, Loads, Vec<Obstacle>),
     observer: &dyn Observer,
 ) -> Equilibrium {
     let (sheet, clamps, loads, obstacles) = case;
     let material = Material::new(1e5, 0.3, 1e-3 * scale).unwrap();
+    let stiff = sheet.of(&material);
     let setup = Setup {
         loads: loads.clone(),
         obstacles,
         contact_thickness_m: THICKNESS_M * scale,
-        ..sheet.setup(&material, clamps)
+        ..Setup::new(&stiff, clamps)
     };
     solver.observed(&setup, &sheet.pose, observer).unwrap()
 }

@@ -8,30 +8,32 @@
 mod derivative_check;
 mod sheets;
 
+use plisse::RestShape;
 use plisse::field::closed_forms::ClosedForms;
 use plisse::field::curvature::second_forms;
 use plisse::field::density::Density;
+use plisse::field::domain::Domain;
 use plisse::field::problem::FieldProblem;
 use plisse::field::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
 use plisse::linalg::{Problem, PsdProjection};
-use plisse::mesh::{Topology, Vec3};
-use plisse::rest::{RestFace, RestMetric};
-use plisse::strain::strain;
+use plisse::mesh::Vec3;
 
 use derivative_check::{gradient_error, hessian_error};
-use sheets::{Random, Sheet, mylar, twisted_ring};
+use sheets::{PosedSheet, Random, mylar, twisted_ring};
 
 /// A torus of `n × m` squares, each cut in two, over a rest metric of flat squares of 1 × 1 m that
 /// the pose shortens one way.
-fn torus(n: usize, m: usize) -> (Topology, RestMetric, Vec<Vec3>) {
+fn torus(n: usize, m: usize) -> PosedSheet {
     let at = |i: usize, j: usize| (j % m) * n + i % n;
-    let (mut faces, mut rest) = (Vec::new(), Vec::new());
+    let (mut faces, mut rest) = (Vec::new(), RestShape::default());
     let corner = |i: usize, j: usize| Vec3::new(i as f64, j as f64 + 0.1 * i as f64, 0.0);
     for j in 0..m {
         for i in 0..n {
             for k in [[(i, j), (i + 1, j), (i + 1, j + 1)], [(i, j), (i + 1, j + 1), (i, j + 1)]] {
                 faces.push(k.map(|(i, j)| at(i, j)));
-                rest.push(RestFace::from_corners(k.map(|(i, j)| corner(i, j))));
+                let first = rest.positions.len();
+                rest.positions.extend(k.map(|(i, j)| corner(i, j)));
+                rest.faces.push([first, first + 1, first + 2]);
             }
         }
     }
@@ -45,20 +47,14 @@ fn torus(n: usize, m: usize) -> (Topology, RestMetric, Vec<Vec3>) {
             Vec3::new(radius * a.cos(), radius * a.sin(), 0.8 * b.sin()) * 0.4 + noise * 0.05
         })
         .collect();
-    (Topology::new(n * m, faces).unwrap(), RestMetric { faces: rest }, positions)
+    PosedSheet::new(rest, faces, positions)
 }
 
 /// Largest relative errors of gradient and Hessian over a few random states.
-fn worst_errors(
-    topology: &Topology,
-    rest: &RestMetric,
-    positions: &[Vec3],
-    held: &[bool],
-    wrinkle_free: &[bool],
-    loops: usize,
-) -> (f64, f64) {
-    let strain = strain(topology, rest, positions);
-    let curvature = second_forms(topology, positions, 2);
+fn worst_errors(sheet: &PosedSheet, wrinkle_free: &[bool], loops: usize) -> (f64, f64) {
+    let (topology, rest) = (&sheet.topology, &sheet.rest);
+    let strain = sheet.strain(&sheet.pose);
+    let curvature = second_forms(topology, &sheet.pose, 2);
     let densities: Vec<Density> = (0..topology.face_count())
         .map(|f| {
             Density::new(&rest.faces[f], &strain[f], &curvature[f], &mylar(), &Default::default())
@@ -68,11 +64,11 @@ fn worst_errors(
     assert_eq!(forms.generators.len(), loops);
     let mut still = wrinkle_free_vertices(topology, wrinkle_free);
     for v in 0..still.len() {
-        still[v] |= held[v];
+        still[v] |= sheet.held[v];
     }
     // Units that are no powers of ten nor one, so that a lost one shows.
-    let mut problem =
-        FieldProblem::new(topology, &forms, wrinkle_free, &still, &densities, 0.037, 0.61);
+    let domain = Domain { wrinkle_free: wrinkle_free.to_vec(), still, forms };
+    let mut problem = FieldProblem::new(topology, &domain, &densities, 0.037, 0.61);
     let n = problem.size();
     let mut random = Random(3);
     let mut worst = (0.0_f64, 0.0_f64);
@@ -122,42 +118,31 @@ fn assert_right(name: &str, (gradient, hessian): (f64, f64)) {
 
 #[test]
 fn without_loops() {
-    let sheet = Sheet::rectangle(1.0, 0.6, 0.2, 6)
+    let mut sheet = PosedSheet::rectangle(1.0, 0.6, 0.2, 6)
         .posed(|p| Vec3::new(0.95 * p.x, 1.02 * p.y, 0.2 * p.y * p.y));
-    let mut held = sheet.held.clone();
-    held[3] = true;
-    held[9] = true;
+    sheet.held[3] = true;
+    sheet.held[9] = true;
     let none = vec![false; sheet.topology.face_count()];
-    assert_right("sheet", worst_errors(&sheet.topology, &sheet.rest, &sheet.pose, &held, &none, 0));
+    assert_right("sheet", worst_errors(&sheet, &none, 0));
 }
 
 #[test]
 fn around_one_loop() {
     let ring = twisted_ring(0.3, 4);
-    let strain = strain(&ring.topology, &ring.rest, &ring.pose);
+    let strain = ring.strain(&ring.pose);
     let free = wrinkle_free_faces(&ring.topology, &strain, WrinkleFreeRule::Paper);
     assert!(free.iter().any(|f| *f));
-    assert_right(
-        "ring",
-        worst_errors(&ring.topology, &ring.rest, &ring.pose, &ring.held, &free, 1),
-    );
+    assert_right("ring", worst_errors(&ring, &free, 1));
 }
 
 #[test]
 fn around_the_loops_of_a_torus() {
-    let (topology, rest, positions) = torus(6, 5);
-    let (vertices, faces) = (positions.len(), topology.face_count());
-    let mut free = vec![false; faces];
-    assert_right(
-        "torus",
-        worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 2),
-    );
+    let torus = torus(6, 5);
+    let mut free = vec![false; torus.topology.face_count()];
+    assert_right("torus", worst_errors(&torus, &free, 2));
     // Two holes, of one square each: the second adds a loop.
     for f in [12, 13, 40, 41] {
         free[f] = true;
     }
-    assert_right(
-        "torus with holes",
-        worst_errors(&topology, &rest, &positions, &vec![false; vertices], &free, 3),
-    );
+    assert_right("torus with holes", worst_errors(&torus, &free, 3));
 }

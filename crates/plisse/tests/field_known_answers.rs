@@ -11,26 +11,28 @@ mod sheets;
 
 use std::path::{Path, PathBuf};
 
+use plisse::RestShape;
 use plisse::field::{FieldOptions, Period, WrinkleFreeRule};
 use plisse::io::{clamp_file, obj};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::mesh::panel::Outline;
 use plisse::progress::Silent;
-use plisse::shell::{BaseOptions, Clamps, solve_base};
+use plisse::shell::{BaseOptions, Clamps, Setup, solve_base};
 
-use sheets::{Sheet, mylar};
+use sheets::{PosedSheet, mylar};
 
 /// The folder `name` of the published data.
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data").join(name)
 }
 
-fn load(folder: &Path) -> Sheet {
+fn load(folder: &Path) -> PosedSheet {
     let rest = obj::read(&folder.join("rest.obj")).unwrap();
     let pose = obj::read(&folder.join("pose.obj")).unwrap();
     assert_eq!(rest.faces.len(), pose.faces.len());
-    Sheet::new(rest.positions, rest.faces, pose.faces, pose.positions)
+    let rest_shape = RestShape { positions: rest.positions, faces: rest.faces };
+    PosedSheet::new(rest_shape, pose.faces, pose.positions)
 }
 
 fn options() -> FieldOptions {
@@ -56,8 +58,8 @@ fn largest(values: &[f64]) -> f64 {
 
 /// A disk (radius 0.1 m, 273 vertices) whose rim is pushed in to four fifths of its radius, blown
 /// up by 300 Pa of its flat area: the paper's disk, on a mesh of the project's own.
-fn inflated_disk() -> Sheet {
-    let mut sheet = Sheet::flat(&Outline::Disk { radius_m: 0.1 }, 0.0123, 2);
+fn inflated_disk() -> PosedSheet {
+    let mut sheet = PosedSheet::flat(&Outline::Disk { radius_m: 0.1 }, 0.0123, 2);
     let rim = sheet.topology.boundary_vertices();
     let mut clamps = Clamps::none(sheet.pose.len());
     for v in 0..sheet.pose.len() {
@@ -68,8 +70,7 @@ fn inflated_disk() -> Sheet {
         // A shallow dome to start from.
         sheet.pose[v] = Vec3::new(0.8 * p.x, 0.8 * p.y, 0.05 - 5.0 * p.norm_squared());
     }
-    let material = mylar();
-    let mut setup = sheet.setup(&material, &clamps);
+    let mut setup = Setup::new(&sheet, &clamps);
     setup.loads.forces_newton = setup
         .vertex_area_m2()
         .iter()

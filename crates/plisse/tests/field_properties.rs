@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Rotation3;
+use plisse::RestShape;
 use plisse::field::{FieldOptions, Solved, WrinkleField, WrinkleFreeRule, solve};
 use plisse::linalg::Ending;
 use plisse::material::Material;
@@ -16,7 +17,7 @@ use plisse::mesh::{Topology, Vec3};
 use plisse::progress::{Observer, Silent, Step};
 use plisse::strain::strain;
 
-use sheets::{Random, Sheet, mylar, permutation, twisted_cylinder_at_rest, twisted_ring};
+use sheets::{PosedSheet, Random, mylar, permutation, twisted_cylinder_at_rest, twisted_ring};
 
 /// Mean and root-mean-square deviation of `values`.
 fn mean_and_spread(values: &[f64]) -> (f64, f64) {
@@ -46,16 +47,16 @@ fn turns(solved: &Solved) -> Vec<i64> {
 
 /// ω of face `f` as a vector (rad/m) in the plane of a flat rest shape: its face frame's first
 /// vector runs along edge 0→1.
-fn frequency_in_rest_plane(sheet: &Sheet, field: &WrinkleField, f: usize) -> Vec3 {
-    let [a, b, _] = sheet.rest_faces[f].map(|r| sheet.rest_positions[r]);
+fn frequency_in_rest_plane(sheet: &PosedSheet, field: &WrinkleField, f: usize) -> Vec3 {
+    let [a, b, _] = sheet.rest_shape.faces[f].map(|r| sheet.rest_shape.positions[r]);
     let x = (b - a).normalize();
     let y = Vec3::z().cross(&x);
-    let w = field.frequency(&sheet.topology, &sheet.rest, f);
+    let w = field.frequency(sheet, f);
     x * w.x + y * w.y
 }
 
 /// Faces of a unit square whose middle is at least `margin_m` from the edges.
-fn inner_faces(sheet: &Sheet, margin_m: f64) -> Vec<usize> {
+fn inner_faces(sheet: &PosedSheet, margin_m: f64) -> Vec<usize> {
     let inside = |x: f64| x > margin_m && x < 1.0 - margin_m;
     (0..sheet.topology.face_count())
         .filter(|&f| inside(sheet.middle(f).x) && inside(sheet.middle(f).y))
@@ -65,10 +66,10 @@ fn inner_faces(sheet: &Sheet, margin_m: f64) -> Vec<usize> {
 /// A flat square sheet of 1 m, 2 % short along x, with zero amplitude where crests end. (Were no
 /// vertex held, energy would fall without end towards infinitely long waves: bending is the only
 /// resistance then.)
-fn shortened_sheet() -> (Sheet, f64) {
+fn shortened_sheet() -> (PosedSheet, f64) {
     let short = 0.02;
-    let mut sheet =
-        Sheet::rectangle(1.0, 1.0, 0.06, 3).posed(|p| Vec3::new((1.0 - short) * p.x, p.y, 0.0));
+    let mut sheet = PosedSheet::rectangle(1.0, 1.0, 0.06, 3)
+        .posed(|p| Vec3::new((1.0 - short) * p.x, p.y, 0.0));
     for v in 0..sheet.pose.len() {
         sheet.held[v] = sheet.pose[v].y < 1e-9 || sheet.pose[v].y > 1.0 - 1e-9;
     }
@@ -132,7 +133,7 @@ fn a_shortened_sheet_takes_up_its_strain() {
 /// it to rest lengths.
 fn frequency_over_curvature(edge_length_m: f64, radius_m: f64, thickness_m: f64) -> f64 {
     let (short, pull, poisson) = (0.02, 0.002, 0.3);
-    let sheet = Sheet::rectangle(1.0, 1.0, edge_length_m, 5).posed(|p| {
+    let sheet = PosedSheet::rectangle(1.0, 1.0, edge_length_m, 5).posed(|p| {
         let angle = (1.0 + pull) * (p.y - 0.5) / radius_m;
         Vec3::new((1.0 - short) * p.x, radius_m * angle.sin(), radius_m * angle.cos())
     });
@@ -185,7 +186,7 @@ fn ring_material() -> Material {
 
 /// What the invariances are tested on: b₁ = 1 for both, wrinkle-free faces in the first, curvature
 /// and a solved pose in the second.
-fn cases() -> Vec<(&'static str, Sheet, Material)> {
+fn cases() -> Vec<(&'static str, PosedSheet, Material)> {
     vec![
         ("ring", twisted_ring(0.15, 4), ring_material()),
         ("cylinder", twisted_cylinder_at_rest(0.45).0, mylar()),
@@ -229,9 +230,14 @@ fn rigid_motions_change_nothing() {
             Rotation3::from_euler_angles(-1.0, 0.3, 0.8),
         );
         let mut moved = sheet.clone().posed(|p| in_space * p + Vec3::new(3.0, -20.0, 7.0));
-        let rest_positions =
-            moved.rest_positions.iter().map(|p| at_rest * p + Vec3::new(-5.0, 2.0, 1.0)).collect();
-        moved = Sheet::new(rest_positions, moved.rest_faces, moved.topology.faces, moved.pose);
+        let positions = moved
+            .rest_shape
+            .positions
+            .iter()
+            .map(|p| at_rest * p + Vec3::new(-5.0, 2.0, 1.0))
+            .collect();
+        let rest_shape = RestShape { positions, faces: moved.rest_shape.faces.clone() };
+        moved = PosedSheet::new(rest_shape, moved.topology.faces.clone(), moved.pose);
         moved.held = sheet.held.clone();
         assert_same(
             name,
@@ -247,7 +253,7 @@ fn rigid_motions_change_nothing() {
 /// Nor do they change the start, and so the road to the minimum.
 #[test]
 fn turning_does_not_change_the_first_wavelength() {
-    let sheet = Sheet::rectangle(1.0, 0.2, 0.1, 1);
+    let sheet = PosedSheet::rectangle(1.0, 0.2, 0.1, 1);
     let turned = sheet.clone().posed(|p| Rotation3::from_euler_angles(0.0, 0.0, 0.7) * p);
     let [plain, turned] =
         [&sheet, &turned].map(|s| plisse::field::initialise::first_wavelength_m(&mylar(), &s.pose));
@@ -271,8 +277,10 @@ fn numbering_changes_nothing() {
                 held[vertex[v]] = sheet.held[v];
             }
             let faces = face.iter().map(|&f| sheet.topology.faces[f].map(|v| vertex[v])).collect();
-            let rest_faces = face.iter().map(|&f| sheet.rest_faces[f]).collect();
-            let mut moved = Sheet::new(sheet.rest_positions.clone(), rest_faces, faces, pose);
+            let rest_faces = face.iter().map(|&f| sheet.rest_shape.faces[f]).collect();
+            let rest_shape =
+                RestShape { positions: sheet.rest_shape.positions.clone(), faces: rest_faces };
+            let mut moved = PosedSheet::new(rest_shape, faces, pose);
             moved.held = held;
             assert_same(
                 name,
@@ -297,9 +305,11 @@ fn first_corners_change_nothing() {
         let turned = |faces: &[[usize; 3]]| -> Vec<[usize; 3]> {
             faces.iter().zip(&shift).map(|(f, &s)| [f[s], f[(s + 1) % 3], f[(s + 2) % 3]]).collect()
         };
-        let mut moved = Sheet::new(
-            sheet.rest_positions.clone(),
-            turned(&sheet.rest_faces),
+        let mut moved = PosedSheet::new(
+            RestShape {
+                positions: sheet.rest_shape.positions.clone(),
+                faces: turned(&sheet.rest_shape.faces),
+            },
             turned(&sheet.topology.faces),
             sheet.pose.clone(),
         );
@@ -317,11 +327,16 @@ fn first_corners_change_nothing() {
 
 /// `sheet` with all lengths `length` times as large, and the material in the units in which Young's
 /// modulus is `stress` times as large.
-fn in_units(sheet: &Sheet, material: &Material, length: f64, stress: f64) -> (Sheet, Material) {
-    let rest_positions = sheet.rest_positions.iter().map(|p| p * length).collect();
+fn in_units(
+    sheet: &PosedSheet,
+    material: &Material,
+    length: f64,
+    stress: f64,
+) -> (PosedSheet, Material) {
+    let positions = sheet.rest_shape.positions.iter().map(|p| p * length).collect();
+    let rest_shape = RestShape { positions, faces: sheet.rest_shape.faces.clone() };
     let pose = sheet.pose.iter().map(|p| p * length).collect();
-    let mut scaled =
-        Sheet::new(rest_positions, sheet.rest_faces.clone(), sheet.topology.faces.clone(), pose);
+    let mut scaled = PosedSheet::new(rest_shape, sheet.topology.faces.clone(), pose);
     scaled.held = sheet.held.clone();
     (
         scaled,
@@ -402,7 +417,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 // ── A whole field ───────────────────────────────────────────────────────────────────────────────────────────────────────
 
 /// Asserts everything that the docs of [`WrinkleField`] promise.
-fn assert_whole(name: &str, sheet: &Sheet, field: &WrinkleField) {
+fn assert_whole(name: &str, sheet: &PosedSheet, field: &WrinkleField) {
     let topology = &sheet.topology;
     assert!(field.amplitude_m.iter().all(|&a| a >= 0.0 && a.is_finite()), "{name}");
     assert!(
@@ -516,9 +531,13 @@ impl Observer for Watcher {
     }
 }
 
-fn watch(sheet: &Sheet, material: &Material, options: &FieldOptions, watcher: &Watcher) -> Solved {
-    solve(&sheet.topology, &sheet.rest, &sheet.pose, &sheet.held, material, options, watcher)
-        .unwrap()
+fn watch(
+    sheet: &PosedSheet,
+    material: &Material,
+    options: &FieldOptions,
+    watcher: &Watcher,
+) -> Solved {
+    solve(&sheet.of(material), &sheet.pose, &sheet.held, options, watcher).unwrap()
 }
 
 #[test]
@@ -573,7 +592,7 @@ fn a_cancelled_solve_keeps_what_it_has() {
 #[test]
 fn a_tense_sheet_does_not_wrinkle() {
     for rule in [WrinkleFreeRule::Paper, WrinkleFreeRule::Published] {
-        let sheet = Sheet::rectangle(1.0, 0.6, 0.1, 1).posed(|p| p * 1.05);
+        let sheet = PosedSheet::rectangle(1.0, 0.6, 0.1, 1).posed(|p| p * 1.05);
         let solved = sheet.solve(&mylar(), &FieldOptions { rule, ..FieldOptions::default() });
         assert!(solved.field.wrinkle_free.iter().all(|f| *f));
         assert_whole("tense", &sheet, &solved.field);
@@ -590,7 +609,7 @@ fn a_tense_sheet_does_not_wrinkle() {
 
 #[test]
 fn an_unstrained_sheet_does_not_wrinkle() {
-    let sheet = Sheet::rectangle(1.0, 0.6, 0.1, 1);
+    let sheet = PosedSheet::rectangle(1.0, 0.6, 0.1, 1);
     let solved = sheet.solve(&mylar(), &FieldOptions::default());
     assert_whole("rest", &sheet, &solved.field);
     assert!(
@@ -605,7 +624,9 @@ fn a_single_triangle_is_solved() {
     for scale in [0.95, 1.05] {
         for rule in [WrinkleFreeRule::Paper, WrinkleFreeRule::Published] {
             let pose = corners.iter().map(|p| Vec3::new(scale * p.x, p.y, 0.0)).collect();
-            let sheet = Sheet::new(corners.clone(), vec![[0, 1, 2]], vec![[0, 1, 2]], pose);
+            let faces = vec![[0, 1, 2]];
+            let rest_shape = RestShape { positions: corners.clone(), faces: faces.clone() };
+            let sheet = PosedSheet::new(rest_shape, faces, pose);
             let solved = sheet.solve(
                 &Material::new(1e7, 0.0, 1e-3).unwrap(),
                 &FieldOptions { rule, ..FieldOptions::default() },
@@ -620,15 +641,18 @@ fn a_single_triangle_is_solved() {
 #[test]
 fn separate_parts_do_not_disturb_each_other() {
     let (short, _) = shortened_sheet();
-    let tense = Sheet::rectangle(0.5, 0.5, 0.1, 8).posed(|p| p * 1.03);
-    let join = |first: &Sheet, second: &Sheet| {
+    let tense = PosedSheet::rectangle(0.5, 0.5, 0.1, 8).posed(|p| p * 1.03);
+    let join = |first: &PosedSheet, second: &PosedSheet| {
         let shift = |faces: &[[usize; 3]], by: usize| {
             faces.iter().map(move |f| f.map(|v| v + by)).collect::<Vec<_>>()
         };
-        let (rest, pose) = (first.rest_positions.len(), first.pose.len());
-        let mut both = Sheet::new(
-            [&first.rest_positions[..], &second.rest_positions].concat(),
-            [&first.rest_faces[..], &shift(&second.rest_faces, rest)].concat(),
+        let (rest, pose) = (first.rest_shape.positions.len(), first.pose.len());
+        let mut both = PosedSheet::new(
+            RestShape {
+                positions: [&first.rest_shape.positions[..], &second.rest_shape.positions].concat(),
+                faces: [&first.rest_shape.faces[..], &shift(&second.rest_shape.faces, rest)]
+                    .concat(),
+            },
             [&first.topology.faces[..], &shift(&second.topology.faces, pose)].concat(),
             [&first.pose[..], &second.pose].concat(),
         );
@@ -667,16 +691,9 @@ fn held_everywhere_nothing_wrinkles() {
 
 #[test]
 fn wrong_lengths_are_told() {
-    let sheet = Sheet::rectangle(1.0, 1.0, 0.5, 1);
-    let error = solve(
-        &sheet.topology,
-        &sheet.rest,
-        &sheet.pose[1..],
-        &sheet.held,
-        &mylar(),
-        &FieldOptions::default(),
-        &Silent,
-    );
+    let sheet = PosedSheet::rectangle(1.0, 1.0, 0.5, 1);
+    let options = FieldOptions::default();
+    let error = solve(&sheet, &sheet.pose[1..], &sheet.held, &options, &Silent);
     assert!(error.unwrap_err().to_string().contains(&sheet.pose.len().to_string()));
 }
 
@@ -684,7 +701,7 @@ fn wrong_lengths_are_told() {
 #[test]
 fn a_flat_ring_has_one_period() {
     let sheet =
-        Sheet::flat(&Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, 0.15, 2)
+        PosedSheet::flat(&Outline::Annulus { inner_radius_m: 0.4, outer_radius_m: 1.0 }, 0.15, 2)
             .posed(|p| p * 0.97);
     let solved = sheet
         .solve(&ring_material(), &FieldOptions { iteration_limit: 30, ..FieldOptions::default() });

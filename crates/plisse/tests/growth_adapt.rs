@@ -11,7 +11,7 @@ use plisse::mesh::{Topology, Vec2, Vec3};
 use plisse::progress::Silent;
 use plisse::relief::{Relief, Window, offsets_m, realised_growth};
 use plisse::rest::RestMetric;
-use sheets::Sheet;
+use sheets::PosedSheet;
 
 const WAVELENGTH_M: f64 = 0.1;
 
@@ -22,7 +22,7 @@ fn growth(y: f64) -> f64 {
 
 /// A growing surface that starts as `sheet`.
 fn growing_surface(
-    sheet: &Sheet,
+    sheet: &PosedSheet,
     expansion: &Expansion,
     wavelength_m: f64,
     coherence_m: f64,
@@ -31,7 +31,7 @@ fn growing_surface(
     GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
 }
 
-fn growing(sheet: &Sheet) -> GrowingSurface {
+fn growing(sheet: &PosedSheet) -> GrowingSurface {
     let n = sheet.pose.len();
     let factors: Vec<f64> = sheet.pose.iter().map(|p| growth(p.y)).collect();
     let expansion =
@@ -83,13 +83,13 @@ fn adapted(growing: &GrowingSurface, adapt: &AdaptOptions) -> (GrownSurface, Res
 
 #[test]
 fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
-    let coarse = Sheet::lattice(1.0, 0.5, 8, 4);
+    let coarse = PosedSheet::lattice(1.0, 0.5, 8, 4);
     let (surface, asked) = adapted(
         &growing(&coarse),
         &AdaptOptions { finish_iterations: 300, ..AdaptOptions::new(0.125) },
     );
     let mesh = &surface.surface;
-    let fine = Sheet::lattice(1.0, 0.5, 70, 36);
+    let fine = PosedSheet::lattice(1.0, 0.5, 70, 36);
     let (pose, report) = grow(&growing(&fine), &GrowthOptions::default(), &Silent).unwrap();
     let (expected, _) = folds(&fine.topology, &fine.pose, &pose, &report.asked);
     let (found, length) = folds(&mesh.topology, &mesh.start, &surface.pose, &asked);
@@ -146,7 +146,7 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
 
 #[test]
 fn growing_by_one_changes_nothing() {
-    let sheet = Sheet::rectangle(1.0, 1.0, 0.2, 3);
+    let sheet = PosedSheet::rectangle(1.0, 1.0, 0.2, 3);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
     let growing = growing_surface(&sheet, &expansion, 0.01, 0.0);
     let (surface, asked) = adapted(&growing, &AdaptOptions::new(0.05));
@@ -159,7 +159,7 @@ fn growing_by_one_changes_nothing() {
 
 #[test]
 fn any_number_of_threads_gives_the_same_bytes() {
-    let sheet = Sheet::lattice(1.0, 0.5, 8, 4);
+    let sheet = PosedSheet::lattice(1.0, 0.5, 8, 4);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -183,9 +183,9 @@ fn new_vertices_lie_on_the_curves_that_the_normals_tell() {
     // Waves over a flat sheet, and a ring that is round at the start; how far new vertices are
     // beside them.
     let wave = |p: &Vec3| 0.02 * (std::f64::consts::TAU * p.x / 0.2).sin();
-    let flat = Sheet::lattice(1.0, 0.3, 40, 10);
-    let ring = Sheet::torus(0.5, 0.1, 0.04);
-    let beside = |sheet: &Sheet,
+    let flat = PosedSheet::lattice(1.0, 0.3, 40, 10);
+    let ring = PosedSheet::torus(0.5, 0.1, 0.04);
+    let beside = |sheet: &PosedSheet,
                   pose: Vec<Vec3>,
                   midpoints: MidpointPlacement,
                   away: &dyn Fn(&Vec3, &Vec3) -> f64| {

@@ -18,13 +18,13 @@ use plisse::progress::Silent;
 use plisse::relief::{RealisedGrowth, Relief, Window, offsets_m, realised_growth};
 use plisse::shell::Loads;
 
-use sheets::Sheet;
+use sheets::PosedSheet;
 
 const CREST: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
 /// A growing surface that starts as `sheet`.
 fn growing_surface(
-    sheet: &Sheet,
+    sheet: &PosedSheet,
     expansion: &Expansion,
     wavelength_m: f64,
     coherence_m: f64,
@@ -35,7 +35,7 @@ fn growing_surface(
 
 /// A square of side 1 m, grown along x.
 struct Square {
-    sheet: Sheet,
+    sheet: PosedSheet,
     growth: f64,
     wavelength_m: f64,
     /// Λ in units of λ.
@@ -57,7 +57,7 @@ impl Folded {
 }
 
 impl Square {
-    fn new(sheet: Sheet, growth: f64, folds: f64, coherence: f64) -> Self {
+    fn new(sheet: PosedSheet, growth: f64, folds: f64, coherence: f64) -> Self {
         Self { sheet, growth, wavelength_m: 1.0 / folds, coherence }
     }
 
@@ -127,8 +127,8 @@ impl Square {
     }
 }
 
-fn lattice(columns: usize, rows: usize) -> Sheet {
-    Sheet::lattice(1.0, 1.0, columns, rows)
+fn lattice(columns: usize, rows: usize) -> PosedSheet {
+    PosedSheet::lattice(1.0, 1.0, columns, rows)
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn five_folds_at_a_growth_of_2() {
 
 #[test]
 fn five_folds_on_an_irregular_mesh() {
-    Square::new(Sheet::rectangle(1.0, 1.0, 0.2 / 6.0, 3), 1.2, 5.0, 4.0).check();
+    Square::new(PosedSheet::rectangle(1.0, 1.0, 0.2 / 6.0, 3), 1.2, 5.0, 4.0).check();
 }
 
 #[test]
@@ -183,7 +183,8 @@ fn crests_run_straight_as_far_as_asked() {
 #[test]
 fn growing_by_one_changes_nothing_to_the_bit() {
     let square = Square::new(
-        Sheet::rectangle(1.0, 1.0, 0.05, 3).posed(|p| Vec3::new(p.x, p.y, 0.1 * (p.x * 3.0).sin())),
+        PosedSheet::rectangle(1.0, 1.0, 0.05, 3)
+            .posed(|p| Vec3::new(p.x, p.y, 0.1 * (p.x * 3.0).sin())),
         1.0,
         5.0,
         4.0,
@@ -217,7 +218,7 @@ fn growing_and_shrinking_back_flattens() {
 
 #[test]
 fn rigid_motion_and_renumbering_do_not_matter() {
-    let square = Square::new(Sheet::rectangle(1.0, 1.0, 0.06, 5), 1.3, 3.0, 1.0);
+    let square = Square::new(PosedSheet::rectangle(1.0, 1.0, 0.06, 5), 1.3, 3.0, 1.0);
     let options = GrowthOptions { tolerance: 1e-6, ..GrowthOptions::default() };
     let pose = square.fold(&options).pose;
     // Another place, and vertices and faces in another order; imperfections stay where they are on
@@ -235,7 +236,7 @@ fn rigid_motion_and_renumbering_do_not_matter() {
     }
     let faces: Vec<[usize; 3]> =
         square.sheet.topology.faces.iter().rev().map(|f| [to(f[1]), to(f[2]), to(f[0])]).collect();
-    let moved = Sheet::new(start.clone(), faces.clone(), faces, start);
+    let moved = PosedSheet::at_rest(start, faces);
     let expansion = Expansion::from_directions(
         &moved.topology,
         &moved.pose,

@@ -10,13 +10,13 @@ use plisse::growth::{
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::progress::Silent;
-use sheets::Sheet;
+use sheets::PosedSheet;
 
 const WAVELENGTH_M: f64 = 0.1;
 
 /// A growing surface that starts as `sheet`.
 fn growing_surface(
-    sheet: &Sheet,
+    sheet: &PosedSheet,
     expansion: &Expansion,
     wavelength_m: f64,
     coherence_m: f64,
@@ -27,8 +27,8 @@ fn growing_surface(
 
 /// A sheet of 1 m × 0.6 m that has grown by `growth` along x, all sides frozen, at rest to
 /// `tolerance`.
-fn grown(growth: f64, tolerance: f64) -> (Sheet, Sculpture) {
-    let sheet = Sheet::lattice(1.0, 0.6, 60, 26);
+fn grown(growth: f64, tolerance: f64) -> (PosedSheet, Sculpture) {
+    let sheet = PosedSheet::lattice(1.0, 0.6, 60, 26);
     let n = sheet.pose.len();
     let expansion = Expansion::from_directions(
         &sheet.topology,

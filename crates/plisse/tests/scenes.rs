@@ -47,10 +47,10 @@ fn built(name: &str) -> Built {
 
 /// Vertices that hang together with the first.
 fn reached(built: &Built) -> usize {
-    let mut part: Vec<usize> = (0..built.topology.vertex_count).collect();
+    let mut part: Vec<usize> = (0..built.sheet.topology.vertex_count).collect();
     loop {
         let mut changed = false;
-        for &[i, j] in &built.topology.edges {
+        for &[i, j] in &built.sheet.topology.edges {
             let low = part[i].min(part[j]);
             changed |= part[i] != low || part[j] != low;
             (part[i], part[j]) = (low, low);
@@ -86,7 +86,7 @@ fn every_example_opens_with_what_it_is() {
 fn every_example_is_one_surface_of_the_stated_size() {
     for (name, vertices, panels) in SCENES {
         let built = built(name);
-        let count = built.topology.vertex_count;
+        let count = built.sheet.topology.vertex_count;
         assert!(
             count.abs_diff(vertices) * 10 <= vertices,
             "{name}: {count} vertices, not about {vertices}"
@@ -94,10 +94,11 @@ fn every_example_is_one_surface_of_the_stated_size() {
         assert_eq!(built.panels.len(), panels, "{name}");
         assert_eq!(reached(&built), count, "{name} is in several parts");
         assert!(
-            built.rest.area_m2() > 0.0 && built.rest.faces.iter().all(|f| f.area_m2 > 0.0),
+            built.sheet.rest.area_m2() > 0.0
+                && built.sheet.rest.faces.iter().all(|f| f.area_m2 > 0.0),
             "{name}"
         );
-        assert!(built.material.check_thin(built.rest.area_m2()).is_ok(), "{name}");
+        assert!(built.sheet.material.check_thin(built.sheet.rest.area_m2()).is_ok(), "{name}");
         assert!(built.start.iter().flatten().all(|x| x.is_finite()), "{name}");
     }
 }
@@ -107,14 +108,14 @@ fn every_growing_example_can_grow_and_counts_its_folds() {
     for (name, vertices) in GROWING {
         let grown =
             build_growth(&read(examples().join(name)).unwrap()).unwrap_or_else(|e| panic!("{e}"));
-        let count = grown.built.topology.vertex_count;
+        let count = grown.built.sheet.topology.vertex_count;
         assert!(
             count.abs_diff(vertices) * 10 <= vertices,
             "{name}: {count} vertices, not about {vertices}"
         );
         assert!(grown.maps.most_growth() > 0.1, "{name}");
         // Ungrown, the surface is flat, and the windows lie on it.
-        let flat = grown.count(&grown.built.start, &grown.built.rest).unwrap();
+        let flat = grown.count(&grown.built.start, &grown.built.sheet.rest).unwrap();
         // Domes (29, 30) are no folds to count.
         assert_eq!(flat.is_empty(), name > "29", "{name}");
         assert!(
@@ -131,9 +132,13 @@ fn surfaces_under_pressure_are_spheres_or_tori() {
         if built.loads.pressure_pa == 0.0 {
             continue;
         }
-        assert!(built.topology.edge_faces.iter().all(|faces| faces[1] != NONE), "{name} is open");
-        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize
-            + built.topology.face_count() as isize;
+        assert!(
+            built.sheet.topology.edge_faces.iter().all(|faces| faces[1] != NONE),
+            "{name} is open"
+        );
+        let euler = built.sheet.topology.vertex_count as isize
+            - built.sheet.topology.edge_count() as isize
+            + built.sheet.topology.face_count() as isize;
         assert_eq!(euler, if name.contains("torus") { 0 } else { 2 }, "{name}");
     }
 }
@@ -143,8 +148,9 @@ fn garments_have_their_openings_and_start_outside_the_body() {
     // Hem, neck and two arms; waist and two legs.
     for (name, openings) in [("05-dress.toml", 4), ("06-trousers.toml", 3)] {
         let built = built(name);
-        let euler = built.topology.vertex_count as isize - built.topology.edge_count() as isize
-            + built.topology.face_count() as isize;
+        let euler = built.sheet.topology.vertex_count as isize
+            - built.sheet.topology.edge_count() as isize
+            + built.sheet.topology.face_count() as isize;
         assert_eq!(euler, 2 - openings, "{name}");
         for obstacle in &built.obstacles {
             let nearest =

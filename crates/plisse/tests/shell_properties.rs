@@ -12,7 +12,7 @@ use plisse::progress::Silent;
 use plisse::shell::pressure::volume_m3;
 use plisse::shell::{Clamps, Loads, ReferenceOptions, Setup, solve_reference};
 
-use sheets::{Sheet, Solver};
+use sheets::{PosedSheet, Solver};
 
 const GRAVITY: f64 = 9.81;
 
@@ -83,13 +83,16 @@ fn cantilever(solver: Solver, load: f64, columns: usize) -> (f64, f64) {
     // is zero in the middle of the first, which the two held columns of vertices keep level: there
     // the elastica begins, and errors are of second order.
     let edge = 1.0 / (columns as f64 - 0.5);
-    let sheet = Sheet::lattice(columns as f64 * edge, 2.0 * edge, columns, 2);
+    let sheet = PosedSheet::lattice(columns as f64 * edge, 2.0 * edge, columns, 2);
     let mut clamps = Clamps::none(sheet.pose.len());
     for v in (0..sheet.pose.len()).filter(|v| v % (columns + 1) < 2) {
         clamps.hold(v, sheet.pose[v]);
     }
     let solved = solver
-        .solve(&Setup { loads: weight(density), ..sheet.setup(&material, &clamps) }, &sheet.pose)
+        .solve(
+            &Setup { loads: weight(density), ..Setup::new(&sheet.of(&material), &clamps) },
+            &sheet.pose,
+        )
         .unwrap();
     let tip = solved.pose[columns + columns + 1] - Vec3::new(0.5 * edge, edge, 0.0);
     let (reach, drop, _) = elastica(load);
@@ -168,7 +171,7 @@ fn a_stiff_catenary_is_a_cosh() {
 #[test]
 fn a_hung_strip_is_a_catenary() {
     let (width, columns) = (0.1, 48);
-    let sheet = Sheet::lattice(1.2, width, columns, 4);
+    let sheet = PosedSheet::lattice(1.2, width, columns, 4);
     for (young, density) in [(1e7, 1000.0), (1e5, 1000.0)] {
         let material = Material::new(young, 0.0, 1e-4).unwrap();
         let (level, sag) = catenary(
@@ -185,7 +188,10 @@ fn a_hung_strip_is_a_catenary() {
                 clamps.hold(v, Vec3::new(0.6 + span / 2.0 * (p.x / 0.6 - 1.0), p.y, 0.0));
             }
             let solved = solver
-                .solve(&Setup { loads: weight(density), ..sheet.setup(&material, &clamps) }, start)
+                .solve(
+                    &Setup { loads: weight(density), ..Setup::new(&sheet.of(&material), &clamps) },
+                    start,
+                )
                 .unwrap();
             assert!(solved.settled(), "{:?}", solved.ending);
             solved
@@ -233,11 +239,12 @@ fn an_inflated_ball_has_the_radius_of_a_thin_shell() {
             * (stretch * stretch - 1.0)
             / stretch;
         let errors = [2, 3].map(|cuts| {
-            let sheet = Sheet::ball(radius, cuts);
+            let sheet = PosedSheet::ball(radius, cuts);
             let clamps = Clamps::none(sheet.pose.len());
+            let made = sheet.of(&material);
             let setup = Setup {
                 loads: Loads { pressure_pa, ..Loads::default() },
-                ..sheet.setup(&material, &clamps)
+                ..Setup::new(&made, &clamps)
             };
             let solved = solver.solve(&setup, &sheet.pose).unwrap();
             assert!(solved.settled(), "{:?}", solved.ending);
@@ -275,7 +282,7 @@ fn an_inflated_ball_has_the_radius_of_a_thin_shell() {
 #[test]
 fn a_strip_buckles_at_eulers_load() {
     let columns = 24;
-    let sheet = Sheet::lattice(1.0, 0.1, columns, 2);
+    let sheet = PosedSheet::lattice(1.0, 0.1, columns, 2);
     let material = Material::new(1e6, 0.0, 0.02).unwrap();
     let critical = (PI * material.thickness_m).powi(2) / 12.0;
     let press = |strain: f64, imperfection_m: f64| {
@@ -288,9 +295,13 @@ fn a_strip_buckles_at_eulers_load() {
         }
         let options =
             ReferenceOptions { imperfection_m, tolerance: 1e-13, ..ReferenceOptions::default() };
-        let (pose, report) =
-            solve_reference(&sheet.setup(&material, &clamps), &sheet.pose, &options, &Silent)
-                .unwrap();
+        let (pose, report) = solve_reference(
+            &Setup::new(&sheet.of(&material), &clamps),
+            &sheet.pose,
+            &options,
+            &Silent,
+        )
+        .unwrap();
         let bulge = pose.iter().map(|p| p.z.abs()).fold(0.0, f64::max);
         eprintln!(
             "{strain:.3e} of {critical:.3e}: bulge {bulge:.3e} m, {:.6e} J, {} iterations",
@@ -326,7 +337,7 @@ fn a_strip_buckles_at_eulers_load() {
 
 #[test]
 fn what_has_no_equilibrium_is_refused() {
-    let sheet = Sheet::lattice(1.0, 1.0, 4, 4);
+    let sheet = PosedSheet::lattice(1.0, 1.0, 4, 4);
     let material = Material::new(1e5, 0.3, 1e-3).unwrap();
     let free = Clamps::none(sheet.pose.len());
     let mut one_side = free.clone();
@@ -335,7 +346,8 @@ fn what_has_no_equilibrium_is_refused() {
     }
     for solver in Solver::BOTH {
         let message = |loads: Loads, clamps: &Clamps| {
-            let setup = Setup { loads, ..sheet.setup(&material, clamps) };
+            let made = sheet.of(&material);
+            let setup = Setup { loads, ..Setup::new(&made, clamps) };
             solver.solve(&setup, &sheet.pose).unwrap_err().to_string()
         };
         let falls = message(weight(200.0), &free);

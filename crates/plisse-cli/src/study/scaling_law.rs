@@ -93,27 +93,13 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 fn law(solution: &Solution) -> Result<ScalingLaw, Stop> {
     let built = &solution.built;
     let held = built.clamps.held();
-    Ok(field::scaling_law(
-        &built.topology,
-        &built.rest,
-        &solution.pose,
-        &held,
-        &built.material,
-        &built.field,
-    )?)
+    Ok(field::scaling_law(&built.sheet, &solution.pose, &held, &built.field)?)
 }
 
 fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [Cell; 9] {
     let built = &solution.built;
     let energy = |field: &WrinkleField| {
-        let terms = field::energy(
-            &built.topology,
-            &built.rest,
-            &solution.pose,
-            &built.material,
-            &built.field,
-            field,
-        );
+        let terms = field::energy(&built.sheet, &solution.pose, &built.field, field);
         terms.stretching_joule
             + terms.curvature_joule
             + terms.mixed_joule
@@ -143,15 +129,16 @@ fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [C
 /// Faces that wrinkle visibly: mean amplitude at least 1 % of the largest.
 fn visible<'a>(built: &'a Built, field: &'a WrinkleField) -> impl Iterator<Item = usize> + 'a {
     let least = 3.0 * 0.01 * 1e-3 * peak_mm(field);
-    let sum =
-        move |f: usize| built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>();
-    (0..built.topology.face_count())
+    let sum = move |f: usize| {
+        built.sheet.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>()
+    };
+    (0..built.sheet.topology.face_count())
         .filter(move |&f| !field.wrinkle_free[f] && least > 0.0 && sum(f) >= least)
 }
 
 /// Wavelength (m) of a field on a face.
 fn wavelength(built: &Built, field: &WrinkleField, f: usize) -> f64 {
-    std::f64::consts::TAU / field.frequency(&built.topology, &built.rest, f).norm()
+    std::f64::consts::TAU / field.frequency(&built.sheet, f).norm()
 }
 
 fn median_mm(wavelengths_m: impl Iterator<Item = f64>) -> Cell {

@@ -48,7 +48,7 @@ impl Solution {
 
     /// Median wavelength (mm) of what wrinkles visibly.
     pub(crate) fn wavelength_mm(&self) -> Cell {
-        let summary = self.solved.field.wavelengths(&self.built.topology, &self.built.rest);
+        let summary = self.solved.field.wavelengths(&self.built.sheet);
         summary.map_or_else(none, |summary| fixed(1e3 * summary.median, 2))
     }
 
@@ -129,17 +129,8 @@ impl Study<'_> {
         base: BaseReport,
     ) -> Result<Solution, Stop> {
         let held = built.clamps.held();
-        let solved = self.one_step(|| {
-            solve(
-                &built.topology,
-                &built.rest,
-                &pose,
-                &held,
-                &built.material,
-                &built.field,
-                self.bars,
-            )
-        })?;
+        let solved =
+            self.one_step(|| solve(&built.sheet, &pose, &held, &built.field, self.bars))?;
         let measured = scene::measure(&built, &solved.field, &solved.report);
         Ok(Solution { built, pose, base, solved, measured })
     }
@@ -153,7 +144,7 @@ impl Study<'_> {
     ) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
         self.check_interrupted()?;
         let limit = if self.quick { 30 } else { ReferenceOptions::default().iteration_limit };
-        let imperfection_m = IMPERFECTION * built.material.thickness_m;
+        let imperfection_m = IMPERFECTION * built.sheet.material.thickness_m;
         let options = ReferenceOptions {
             imperfection_m,
             iteration_limit: limit,
@@ -211,7 +202,7 @@ impl Look {
         Self {
             title: title.to_owned(),
             positions: positions.to_vec(),
-            faces: built.topology.faces.clone(),
+            faces: built.sheet.topology.faces.clone(),
             paint: LookPaint::Mesh,
         }
     }
@@ -229,8 +220,8 @@ impl Look {
         field: &WrinkleField,
         v2: bool,
     ) -> Self {
-        let obstacles = (&built.obstacles[..], 0.5 * built.material.thickness_m);
-        let wrinkled = Posed { v1: false, v2, obstacles, ..built.posed(pose) }
+        let clearance_m = 0.5 * built.sheet.material.thickness_m;
+        let wrinkled = Posed { v1: false, v2, clearance_m, ..built.posed(pose) }
             .wrinkle(field, levels(built, field));
         Self {
             title: title.to_owned(),
@@ -242,14 +233,7 @@ impl Look {
 
     /// The phase on the base surface.
     pub(crate) fn phase(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Self {
-        let fine = upsample(
-            &built.topology,
-            pose,
-            field,
-            &built.rest_positions,
-            &built.rest_faces,
-            levels(built, field),
-        );
+        let fine = upsample(&built.sheet, pose, field, levels(built, field));
         let corners = fine
             .phase
             .iter()
@@ -280,5 +264,5 @@ impl Look {
 
 /// Subdivisions that show the wrinkles.
 fn levels(built: &Built, field: &WrinkleField) -> usize {
-    built.posed(&[]).levels(field).min(levels_within(&built.topology, FACES))
+    built.posed(&[]).levels(field).min(levels_within(&built.sheet.topology, FACES))
 }

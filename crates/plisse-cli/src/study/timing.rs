@@ -6,10 +6,8 @@ use std::path::Path;
 use plisse::At;
 use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
 use plisse::io::{clamp_file, obj};
-use plisse::material::Material;
-use plisse::mesh::Topology;
-use plisse::rest::RestMetric;
 use plisse::scene::{self, Scene};
+use plisse::{Material, RestShape, Sheet};
 
 use super::solved::{Look, Solution, peak_mm, with_waves_at_half_height};
 use super::table::{count, fixed, maybe, none, scientific, text};
@@ -387,28 +385,20 @@ fn published_data(study: &mut Study<'_>, data: &Path) -> Result<(), Stop> {
     for mesh in MESHES {
         let (name, clamp) = (mesh.folder, mesh.clamp_file);
         let folder = data.join(name);
-        let rest_shape = obj::read(&folder.join("rest.obj"))?;
-        let pose = obj::read_pose(&folder.join("pose.obj"), &rest_shape)?;
-        let rest = RestMetric::from_shape(&rest_shape.positions, &rest_shape.faces).at(name)?;
-        let topology = Topology::new(pose.positions.len(), pose.faces).at(name)?;
-        let mut held = vec![false; topology.vertex_count];
+        let rest = obj::read(&folder.join("rest.obj"))?;
+        let pose = obj::read_pose(&folder.join("pose.obj"), &rest)?;
+        let rest_shape = RestShape { positions: rest.positions, faces: rest.faces };
+        let sheet = Sheet::sewn(pose.faces, rest_shape, material).at(name)?;
+        let mut held = vec![false; pose.positions.len()];
         if let Some(file) = clamp {
-            for v in clamp_file::read_clamped_vertices(&folder.join(file), topology.vertex_count)? {
+            for v in clamp_file::read_clamped_vertices(&folder.join(file), held.len())? {
                 held[v] = true;
             }
         }
         let options = FieldOptions { rule: WrinkleFreeRule::Published, ..FieldOptions::default() };
         let mut runs: Vec<Solved> = Vec::new();
         for _ in 0..RUNS {
-            runs.push(solve(
-                &topology,
-                &rest,
-                &pose.positions,
-                &held,
-                &material,
-                &options,
-                study.bars,
-            )?);
+            runs.push(solve(&sheet, &pose.positions, &held, &options, study.bars)?);
             study.bars.finish();
             study.check_interrupted()?;
         }

@@ -170,7 +170,7 @@ mod tests {
             Edit::Material { young_pa: -1.0, poisson: 0.3, thickness_m: 1e-3, density_kg_m3: None };
         assert!(found.with(&bad).unwrap_err().to_string().contains("young"));
         assert_eq!(
-            found.build().unwrap().built.material.young_pa,
+            found.build().unwrap().built.sheet.material.young_pa,
             crate::fabrics::FABRICS[0].young_pa
         );
     }

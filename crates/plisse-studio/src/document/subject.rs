@@ -149,7 +149,8 @@ pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
 /// welded.
 fn start_of(built: &Built) -> (Model, Unified) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
-    let faces: Vec<[u32; 3]> = built.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
+    let faces: Vec<[u32; 3]> =
+        built.sheet.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
     let mut model = Model::rigid(
         &built.title,
         positions.clone(),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use plisse::bake::{Options, png16};
 use plisse::io::staged::OutputFolder;
 use plisse::io::{glb, obj, ply};
-use plisse::mesh::{Topology, Up, Vec2, Vec3};
+use plisse::mesh::{Chart, Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;
 use plisse::{Error, Result};
 use plisse_live::export::{Fine, check_size, refine, suggest_parts, write_still};
@@ -126,7 +126,7 @@ struct Plain {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     faces: Vec<[usize; 3]>,
-    texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    texture: Option<Chart>,
 }
 
 fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
@@ -164,7 +164,7 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
         }
     };
     let z_up = !matches!(source, Source::Live(_)) && source.document().subject.scene.is_some();
-    let texture = plain.texture.as_ref().map(|t| (&t.0[..], &t.1[..]));
+    let texture = plain.texture.as_ref();
     match extension.as_str() {
         "obj" => one_file(path, |out| obj::write(out, &plain.positions, &plain.faces, texture)),
         "ply" => one_file(path, |out| ply::write(out, &plain.positions, &plain.faces, &[])),
@@ -199,7 +199,7 @@ fn plain_of(fine: &Fine) -> Plain {
     Plain {
         positions: fine.positions.iter().map(wide).collect(),
         normals: fine.normals.iter().map(wide).collect(),
-        texture: Some((uvs, faces.clone())),
+        texture: Some(Chart { points: uvs, faces: faces.clone() }),
         faces,
     }
 }
@@ -279,7 +279,7 @@ fn command(document: &Document, options: &LiveOptions, size: usize) -> String {
 fn field(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
     match source {
         Source::Solved(solved, _) => one_file(path, |out| {
-            plisse::field::json::write(out, &solved.built.topology, &solved.field)
+            plisse::field::json::write(out, &solved.built.sheet.topology, &solved.field)
         }),
         Source::Live(document) => {
             let subject = &document.subject;

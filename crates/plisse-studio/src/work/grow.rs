@@ -194,7 +194,12 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
     let (topology, rest, start, held) = match &subject.scene {
         Some(scene) => {
             let built = &scene.built;
-            (built.topology.clone(), built.rest.clone(), built.start.clone(), built.clamps.held())
+            (
+                built.sheet.topology.clone(),
+                built.sheet.rest.clone(),
+                built.start.clone(),
+                built.clamps.held(),
+            )
         }
         None => {
             let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;

@@ -37,15 +37,7 @@ pub fn write<T: Send>(
     let built = &scene.built;
     let (pose, _) = plisse::scene::solve_base(&scene.scene, built, reporter)?;
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(
-        &built.topology,
-        &built.rest,
-        &pose,
-        &built.clamps.held(),
-        &built.material,
-        &built.field,
-        reporter,
-    )?;
+    let solved = solve(&built.sheet, &pose, &built.clamps.held(), &built.field, reporter)?;
     if reporter.cancelled() {
         return Err(Error::value(
             "export",

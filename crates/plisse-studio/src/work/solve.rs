@@ -82,21 +82,13 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
         bout *= 2;
     };
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(
-        &built.topology,
-        &built.rest,
-        &pose,
-        &built.clamps.held(),
-        &built.material,
-        &built.field,
-        reporter,
-    )?;
+    let solved = solve(&built.sheet, &pose, &built.clamps.held(), &built.field, reporter)?;
     reporter.stage("fine surface", Some(0.9));
     let posed = built.posed(&pose);
     let levels = if reporter.cancelled() {
         0
     } else {
-        posed.levels(&solved.field).min(levels_within(&built.topology, MOST_FACES))
+        posed.levels(&solved.field).min(levels_within(&built.sheet.topology, MOST_FACES))
     };
     let wrinkled = posed.wrinkle(&solved.field, levels);
     let solid = look(built, &pose, Some(&solved.field), Some(&wrinkled));
@@ -120,17 +112,17 @@ fn look(
     field: Option<&WrinkleField>,
     wrinkled: Option<&Wrinkled>,
 ) -> Solid {
-    let posed = seen(pose, &built.topology);
+    let posed = seen(pose, &built.sheet.topology);
     let waves = field.map_or_else(
         || Waves {
             amplitude_m: vec![0.0; pose.len()],
             wave: vec![Seen::zeros(); pose.len()],
             phase: vec![0.0; pose.len()],
         },
-        |field| from_field(&built.topology, &posed, field),
+        |field| from_field(&built.sheet.topology, &posed, field),
     );
     let lengths = |e: f64| ((1.0 + e).max(0.0).sqrt() - 1.0) as f32;
-    let strain = strain(&built.topology, &built.rest, pose)
+    let strain = strain(&built.sheet.topology, &built.sheet.rest, pose)
         .iter()
         .map(|s| ordered(s.principal.map(lengths)))
         .collect();
@@ -138,7 +130,7 @@ fn look(
         let topology = &wrinkled.fine.topology;
         corners(topology, &seen(&wrinkled.positions, topology), None)
     });
-    Solid { strain, fine, ..solid(&built.topology, posed, &waves) }
+    Solid { strain, fine, ..solid(&built.sheet.topology, posed, &waves) }
 }
 
 fn ordered([a, b]: [f32; 2]) -> [f32; 2] {

@@ -5,17 +5,17 @@
 //! a = k√(2ε), |dφ| = 1/k with a fixed k in metres. Here k is [`first_wavelength_m`]/2π, which
 //! follows the sheet's size and thickness, so that the user's units do not matter.
 
-use super::closed_forms::ClosedForms;
 use super::closest_closed_form::ClosestClosedForm;
 use super::comb::comb;
+use super::domain::Domain;
 use crate::Result;
 use crate::material::Material;
-use crate::mesh::{Topology, Vec2, Vec3};
-use crate::rest::RestMetric;
+use crate::mesh::{Vec2, Vec3};
+use crate::sheet::Sheet;
 use crate::strain::FaceStrain;
 
-/// A first guess.
-pub struct FirstGuess {
+/// A wrinkle field before its phase is rounded to whole turns.
+pub struct Unrounded {
     /// `[V]` amplitude (m).
     pub amplitude_m: Vec<f64>,
     /// `[V]` phase (rad).
@@ -42,22 +42,20 @@ pub fn compression(strain: &FaceStrain) -> f64 {
     (-strain.principal[0]).max(0.0)
 }
 
-/// The first guess on the faces that are not `wrinkle_free`, with `wavelength_m` (`[F]`) on each;
-/// zero at `held` vertices.
+/// The first guess over a pose (`[V]`, m) with this `strain` (`[F]`), with `wavelength_m` (`[F]`)
+/// on each face of the domain.
 ///
 /// # Errors
 /// Only if the factorisation's memory cannot be had.
-#[allow(clippy::too_many_arguments)]
 pub fn first_guess(
-    topology: &Topology,
-    rest: &RestMetric,
-    positions: &[Vec3],
+    sheet: &Sheet,
+    pose: &[Vec3],
     strain: &[FaceStrain],
-    forms: &ClosedForms,
-    wrinkle_free: &[bool],
-    held: &[bool],
+    domain: &Domain,
     wavelength_m: &[f64],
-) -> Result<FirstGuess> {
+) -> Result<Unrounded> {
+    let Sheet { topology, rest, .. } = sheet;
+    let Domain { wrinkle_free, still, forms } = domain;
     let k: Vec<f64> = wavelength_m.iter().map(|length| length / std::f64::consts::TAU).collect();
     let amount: Vec<f64> = (0..topology.face_count())
         .map(|f| if wrinkle_free[f] { 0.0 } else { compression(&strain[f]) })
@@ -70,7 +68,7 @@ pub fn first_guess(
                 * amount[f]
         })
         .collect();
-    let sign = comb(topology, positions, &in_space, wrinkle_free);
+    let sign = comb(topology, pose, &in_space, wrinkle_free);
     let target: Vec<Vec2> = (0..topology.face_count())
         .map(|f| {
             if amount[f] > 0.0 { strain[f].directions[0] * (sign[f] / k[f]) } else { Vec2::zeros() }
@@ -92,7 +90,7 @@ pub fn first_guess(
         }
     }
     let amplitude_m = (0..topology.vertex_count)
-        .map(|v| if held[v] || area[v] == 0.0 { 0.0 } else { sum[v] / area[v] })
+        .map(|v| if still[v] || area[v] == 0.0 { 0.0 } else { sum[v] / area[v] })
         .collect();
-    Ok(FirstGuess { amplitude_m, phases, coefficients })
+    Ok(Unrounded { amplitude_m, phases, coefficients })
 }

@@ -12,6 +12,7 @@ pub mod closest_closed_form;
 pub mod comb;
 pub mod curvature;
 pub mod density;
+pub mod domain;
 pub mod initialise;
 pub mod json;
 pub mod phase_unknowns;
@@ -27,9 +28,10 @@ pub use solve::{FieldOptions, FieldReport, Period, Solved, energy, solve};
 pub use wavelengths::Wavelengths;
 pub use wrinkle_free::WrinkleFreeRule;
 
-use crate::mesh::Topology;
+use crate::mesh::Vec2;
+use crate::sheet::Sheet;
 
-/// Wrinkles over a base surface, as HOUSE of the project defines them: made by a solve, shown by
+/// Wrinkles over a base surface, a·cos φ high along its normal: made by a solve, shown by
 /// displacing or shading.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrinkleField {
@@ -47,14 +49,10 @@ pub struct WrinkleField {
 
 impl WrinkleField {
     /// Frequency (rad/m) of face `f` in its orthonormal rest frame.
-    pub fn frequency(
-        &self,
-        topology: &Topology,
-        rest: &crate::rest::RestMetric,
-        f: usize,
-    ) -> crate::mesh::Vec2 {
+    pub fn frequency(&self, sheet: &Sheet, f: usize) -> Vec2 {
+        let topology = &sheet.topology;
         let along_01 = topology.side_sign(f, 0) * self.omega[topology.face_edges[f][0]];
         let along_02 = -topology.side_sign(f, 2) * self.omega[topology.face_edges[f][2]];
-        rest.faces[f].one_form(along_01, along_02)
+        sheet.rest.faces[f].one_form(along_01, along_02)
     }
 }

@@ -11,6 +11,8 @@ use rayon::prelude::*;
 
 use super::closed_forms::ClosedForms;
 use super::density::{Density, Local, LocalHessian};
+use super::domain::Domain;
+use super::initialise::Unrounded;
 use super::phase_unknowns::PhaseUnknowns;
 use crate::linalg::Problem;
 use crate::linalg::ordered_sum::{CHUNK, ordered_sum};
@@ -59,21 +61,19 @@ struct State {
 }
 
 impl<'a> FieldProblem<'a> {
-    /// The problem on the faces that are not `wrinkle_free` (`[F]`), with zero amplitude at the
-    /// `held` vertices (`[V]`).
+    /// The problem on `domain` with these `densities` (`[F]`).
     pub fn new(
         topology: &'a Topology,
-        forms: &'a ClosedForms,
-        wrinkle_free: &[bool],
-        held: &[bool],
+        domain: &'a Domain,
         densities: &[Density],
         amplitude_unit_m: f64,
         energy_unit_joule: f64,
     ) -> Self {
+        let Domain { wrinkle_free, still, forms } = domain;
         let mut amplitude_unknown = vec![NONE; topology.vertex_count];
         let mut amplitude_count = 0;
         for v in 0..topology.vertex_count {
-            if forms.component[v] != NONE && !held[v] {
+            if forms.component[v] != NONE && !still[v] {
                 amplitude_unknown[v] = amplitude_count;
                 amplitude_count += 1;
             }
@@ -148,8 +148,9 @@ impl<'a> FieldProblem<'a> {
         self.size
     }
 
-    /// The unknowns of amplitudes (`[V]`, m), phases (`[V]`, rad) and coefficients (`[b₁]`, rad).
-    pub fn pack(&self, amplitude_m: &[f64], phase: &[f64], coefficients: &[f64]) -> Vec<f64> {
+    /// The unknowns of a field.
+    pub fn pack(&self, field: &Unrounded) -> Vec<f64> {
+        let Unrounded { amplitude_m, phases, coefficients } = field;
         let mut x = vec![0.0; self.size];
         for v in 0..self.topology.vertex_count {
             if self.amplitude_unknown[v] != NONE {
@@ -157,7 +158,7 @@ impl<'a> FieldProblem<'a> {
             }
             if self.closed.of_vertex[v] != NONE {
                 x[self.amplitude_count + self.closed.of_vertex[v]] =
-                    phase[v] - phase[self.forms.roots[self.forms.component[v]]];
+                    phases[v] - phases[self.forms.roots[self.forms.component[v]]];
             }
         }
         x[self.size - coefficients.len()..].copy_from_slice(coefficients);
@@ -195,22 +196,21 @@ impl<'a> FieldProblem<'a> {
         }
     }
 
-    /// Amplitudes (`[V]`, m; zero where there is no unknown).
-    pub fn amplitudes_m(&self, x: &[f64]) -> Vec<f64> {
+    /// The field of the unknowns `x`: amplitudes are zero where there is no unknown, phases at the
+    /// root of each component and outside.
+    pub fn unpack(&self, x: &[f64]) -> Unrounded {
+        Unrounded {
+            amplitude_m: self.amplitudes_m(x),
+            phases: self.closed.phases(&x[self.amplitude_count..]),
+            coefficients: x[self.size - self.forms.generators.len()..].to_vec(),
+        }
+    }
+
+    fn amplitudes_m(&self, x: &[f64]) -> Vec<f64> {
         self.amplitude_unknown
             .iter()
             .map(|&i| if i == NONE { 0.0 } else { x[i] * self.amplitude_unit_m })
             .collect()
-    }
-
-    /// Phases (`[V]`, rad; zero at the root of each component and outside).
-    pub fn phases(&self, x: &[f64]) -> Vec<f64> {
-        self.closed.phases(&x[self.amplitude_count..])
-    }
-
-    /// Coefficients c (`[b₁]`, rad).
-    pub fn coefficients(&self, x: &[f64]) -> Vec<f64> {
-        x[self.size - self.forms.generators.len()..].to_vec()
     }
 
     /// Largest component of a projected gradient in SI units: J/m for amplitudes, J/rad for phases

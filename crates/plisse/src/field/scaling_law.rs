@@ -15,13 +15,13 @@
 //! Limits: the law knows no free edges, no curvature, and nothing of why the sheet is compressed.
 
 use super::WrinkleField;
-use super::closed_forms::ClosedForms;
+use super::domain::Domain;
 use super::initialise::{compression, first_guess};
-use super::solve::{FieldOptions, Period, where_nothing_wrinkles, with_phase};
+use super::solve::{FieldOptions, Period, with_phase};
 use crate::material::Material;
 use crate::mesh::{Topology, Vec3};
-use crate::rest::RestMetric;
-use crate::strain::{FaceStrain, strain};
+use crate::sheet::Sheet;
+use crate::strain::FaceStrain;
 use crate::{Error, Result};
 
 /// Prefactor of the law under tension: 2√(2π).
@@ -46,38 +46,18 @@ pub struct ScalingLaw {
 /// # Errors
 /// [`Error::Value`] if nothing is held, for then there is no edge to begin at.
 pub fn scaling_law(
-    topology: &Topology,
-    rest: &RestMetric,
-    positions: &[Vec3],
+    sheet: &Sheet,
+    pose: &[Vec3],
     held: &[bool],
-    material: &Material,
     options: &FieldOptions,
 ) -> Result<ScalingLaw> {
-    let distance_m = distances(topology, positions, held)?;
-    let strain = strain(topology, rest, positions);
+    let distance_m = distances(&sheet.topology, pose, held)?;
+    let strain = sheet.strain(pose);
     let wavelength_m: Vec<f64> =
-        strain.iter().zip(&distance_m).map(|(s, &x)| wavelength(material, s, x)).collect();
-    let (wrinkle_free, still) = where_nothing_wrinkles(topology, &strain, held, options);
-    let forms = ClosedForms::new(topology, &wrinkle_free);
-    let guess = first_guess(
-        topology,
-        rest,
-        positions,
-        &strain,
-        &forms,
-        &wrinkle_free,
-        &still,
-        &wavelength_m,
-    )?;
-    let phased = with_phase(
-        topology,
-        rest,
-        &forms,
-        &wrinkle_free,
-        guess.amplitude_m,
-        &guess.phases,
-        &guess.coefficients,
-    )?;
+        strain.iter().zip(&distance_m).map(|(s, &x)| wavelength(&sheet.material, s, x)).collect();
+    let domain = Domain::new(&sheet.topology, &strain, held, options);
+    let guess = first_guess(sheet, pose, &strain, &domain, &wavelength_m)?;
+    let phased = with_phase(sheet, &domain, guess)?;
     Ok(ScalingLaw { field: phased.field, periods: phased.periods, distance_m, wavelength_m })
 }
 

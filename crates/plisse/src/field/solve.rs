@@ -7,17 +7,18 @@ use super::closed_forms::ClosedForms;
 use super::closest_closed_form::ClosestClosedForm;
 use super::curvature::second_forms;
 use super::density::{Density, EnergyTerms, Local, Terms, energy_terms};
-use super::initialise::{compression, first_guess, first_wavelength_m};
+use super::domain::Domain;
+use super::initialise::{Unrounded, compression, first_guess, first_wavelength_m};
 use super::phase_unknowns::one_form;
 use super::problem::FieldProblem;
-use super::wrinkle_free::{WrinkleFreeRule, wrinkle_free_faces, wrinkle_free_vertices};
+use super::wrinkle_free::WrinkleFreeRule;
 use crate::linalg::newton::{Options, minimise};
 use crate::linalg::{Ending, PsdProjection};
-use crate::material::Material;
 use crate::mesh::{Mat3, Topology, Vec3};
 use crate::progress::Observer;
 use crate::rest::RestMetric;
-use crate::strain::{FaceStrain, strain};
+use crate::sheet::Sheet;
+use crate::strain::FaceStrain;
 use crate::{Error, Result};
 
 /// The solve ends with a Newton step that was to lower the energy by less than this share of what
@@ -134,15 +135,14 @@ pub struct Solved {
 /// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex, or the sheet is not thin; [`Error::Numeric`] if the energy is not
 /// finite (absurd material or pose).
 pub fn solve(
-    topology: &Topology,
-    rest: &RestMetric,
-    positions: &[Vec3],
+    sheet: &Sheet,
+    pose: &[Vec3],
     held: &[bool],
-    material: &Material,
     options: &FieldOptions,
     observer: &dyn Observer,
 ) -> Result<Solved> {
-    if held.len() != topology.vertex_count || positions.len() != topology.vertex_count {
+    let Sheet { topology, rest, material, .. } = sheet;
+    if held.len() != topology.vertex_count || pose.len() != topology.vertex_count {
         return Err(Error::value(
             "positions",
             format!(
@@ -153,40 +153,24 @@ pub fn solve(
     }
     material.check_thin(rest.area_m2())?;
     let begun = Instant::now();
-    let strain = strain(topology, rest, positions);
-    let (wrinkle_free, still) = where_nothing_wrinkles(topology, &strain, held, options);
-    let forms = ClosedForms::new(topology, &wrinkle_free);
-    let curvature = second_forms(topology, positions, options.curvature_rings);
+    let strain = sheet.strain(pose);
+    let domain = Domain::new(topology, &strain, held, options);
+    let curvature = second_forms(topology, pose, options.curvature_rings);
     let densities: Vec<Density> = (0..topology.face_count())
         .map(|f| Density::new(&rest.faces[f], &strain[f], &curvature[f], material, &options.terms))
         .collect();
     let wrinkle_free_energy_joule = (0..topology.face_count())
-        .filter(|&f| wrinkle_free[f])
+        .filter(|&f| domain.wrinkle_free[f])
         .fold(0.0, |sum, f| sum + densities[f].energy(&Local::zeros()));
 
-    let wavelength_m = first_wavelength_m(material, positions);
-    let guess = first_guess(
-        topology,
-        rest,
-        positions,
-        &strain,
-        &forms,
-        &wrinkle_free,
-        &still,
-        &vec![wavelength_m; topology.face_count()],
-    )?;
+    let wavelength_m = first_wavelength_m(material, pose);
+    let everywhere = vec![wavelength_m; topology.face_count()];
+    let guess = first_guess(sheet, pose, &strain, &domain, &everywhere)?;
     let (amplitude_unit_m, energy_unit_joule) =
-        units(rest, &strain, &wrinkle_free, &densities, wavelength_m);
-    let mut problem = FieldProblem::new(
-        topology,
-        &forms,
-        &wrinkle_free,
-        &still,
-        &densities,
-        amplitude_unit_m,
-        energy_unit_joule,
-    );
-    let mut start = problem.pack(&guess.amplitude_m, &guess.phases, &guess.coefficients);
+        units(rest, &strain, &domain.wrinkle_free, &densities, wavelength_m);
+    let mut problem =
+        FieldProblem::new(topology, &domain, &densities, amplitude_unit_m, energy_unit_joule);
+    let mut start = problem.pack(&guess);
     problem.rescale(&mut start);
     let newton = Options {
         iteration_limit: options.iteration_limit,
@@ -203,16 +187,13 @@ pub fn solve(
             "the energy is not a finite number; check the material's constants and the pose's size",
         ));
     }
-    let amplitude_m = problem.amplitudes_m(&outcome.x);
-    let (phases, coefficients) = (problem.phases(&outcome.x), problem.coefficients(&outcome.x));
+    let unrounded = problem.unpack(&outcome.x);
     let projected_gradient = problem.projected_gradient_si(&outcome.x, &outcome.gradient);
     let field_seconds = begun.elapsed().as_secs_f64();
 
     let begun = Instant::now();
-    let Phased { field, periods, rounding_exact } =
-        with_phase(topology, rest, &forms, &wrinkle_free, amplitude_m, &phases, &coefficients)?;
-    let energy_terms =
-        sum_of_terms(topology, rest, &strain, &curvature, material, &options.terms, &field);
+    let Phased { field, periods, rounding_exact } = with_phase(sheet, &domain, unrounded)?;
+    let energy_terms = sum_of_terms(sheet, &strain, &curvature, &options.terms, &field);
     let report = FieldReport {
         iterations: outcome.iterations,
         ending: outcome.ending,
@@ -229,37 +210,26 @@ pub fn solve(
     Ok(Solved { field, report })
 }
 
-/// Energy of `field` on the pose `positions` (`[V]`, m) by terms: of its wrinkled faces, without
+/// Energy of `field` on a pose (`[V]`, m) by terms: of its wrinkled faces, without
 /// the constant bending of the base surface.
 pub fn energy(
-    topology: &Topology,
-    rest: &RestMetric,
-    positions: &[Vec3],
-    material: &Material,
+    sheet: &Sheet,
+    pose: &[Vec3],
     options: &FieldOptions,
     field: &WrinkleField,
 ) -> EnergyTerms {
-    let curvature = second_forms(topology, positions, options.curvature_rings);
-    sum_of_terms(
-        topology,
-        rest,
-        &strain(topology, rest, positions),
-        &curvature,
-        material,
-        &options.terms,
-        field,
-    )
+    let curvature = second_forms(&sheet.topology, pose, options.curvature_rings);
+    sum_of_terms(sheet, &sheet.strain(pose), &curvature, &options.terms, field)
 }
 
 fn sum_of_terms(
-    topology: &Topology,
-    rest: &RestMetric,
+    sheet: &Sheet,
     strain: &[FaceStrain],
     curvature: &[Mat3],
-    material: &Material,
     terms: &Terms,
     field: &WrinkleField,
 ) -> EnergyTerms {
+    let Sheet { topology, rest, material, .. } = sheet;
     let mut sum = EnergyTerms::default();
     for f in (0..topology.face_count()).filter(|&f| !field.wrinkle_free[f]) {
         let local = local_unknowns(topology, field, f);
@@ -273,26 +243,6 @@ fn sum_of_terms(
     sum
 }
 
-/// The wrinkle-free faces (`[F]`), and the vertices (`[V]`) whose amplitude is zero because they
-/// touch one or are `held`.
-pub(super) fn where_nothing_wrinkles(
-    topology: &Topology,
-    strain: &[FaceStrain],
-    held: &[bool],
-    options: &FieldOptions,
-) -> (Vec<bool>, Vec<bool>) {
-    let wrinkle_free = if options.relaxed_integrability {
-        wrinkle_free_faces(topology, strain, options.rule)
-    } else {
-        vec![false; topology.face_count()]
-    };
-    let mut still = wrinkle_free_vertices(topology, &wrinkle_free);
-    for (still, &held) in still.iter_mut().zip(held) {
-        *still |= held;
-    }
-    (wrinkle_free, still)
-}
-
 /// A field whose phase gains whole turns around every loop.
 pub(super) struct Phased {
     pub(super) field: WrinkleField,
@@ -301,21 +251,15 @@ pub(super) struct Phased {
     pub(super) rounding_exact: bool,
 }
 
-/// The field of these amplitudes (`[V]`, m), phases (`[V]`, rad) and coefficients (`[b₁]`, rad):
-/// its ω as they say, its phase rounded to whole turns.
-pub(super) fn with_phase(
-    topology: &Topology,
-    rest: &RestMetric,
-    forms: &ClosedForms,
-    wrinkle_free: &[bool],
-    amplitude_m: Vec<f64>,
-    phases: &[f64],
-    coefficients: &[f64],
-) -> Result<Phased> {
-    let omega = one_form(topology, forms, phases, coefficients);
+/// The field whose ω is that of `unrounded` and whose phase is rounded to whole turns.
+pub(super) fn with_phase(sheet: &Sheet, domain: &Domain, unrounded: Unrounded) -> Result<Phased> {
+    let Sheet { topology, rest, .. } = sheet;
+    let Domain { wrinkle_free, forms, .. } = domain;
+    let Unrounded { amplitude_m, phases, coefficients } = unrounded;
+    let omega = one_form(topology, forms, &phases, &coefficients);
     let weight: Vec<f64> = wrinkle_free.iter().map(|&free| if free { 0.0 } else { 1.0 }).collect();
     let rounded = ClosestClosedForm::new(topology, rest, forms, &weight)?
-        .with_whole_periods(phases, coefficients);
+        .with_whole_periods(&phases, &coefficients);
     let phase = corner_phases(topology, forms, wrinkle_free, &rounded.phases, &rounded.turns);
     let mut periods: Vec<Period> = (0..coefficients.len())
         .map(|k| Period {

@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use super::WrinkleField;
-use crate::mesh::Topology;
-use crate::rest::RestMetric;
+use crate::sheet::Sheet;
 
 /// Mean amplitude of a face, relative to the largest of all vertices, from which it counts as
 /// visibly wrinkled.
@@ -29,7 +28,8 @@ impl WrinkleField {
 
     /// Wavelengths of the wrinkled faces whose amplitude is at least 1 % of the largest; `None`
     /// where nothing wrinkles.
-    pub fn wavelengths(&self, topology: &Topology, rest: &RestMetric) -> Option<Wavelengths> {
+    pub fn wavelengths(&self, sheet: &Sheet) -> Option<Wavelengths> {
+        let topology = &sheet.topology;
         let largest = self.largest_amplitude_m();
         let visible = |f: &usize| {
             let mean = topology.faces[*f].iter().map(|&v| self.amplitude_m[v]).sum::<f64>() / 3.0;
@@ -37,7 +37,7 @@ impl WrinkleField {
         };
         let lengths = (0..topology.face_count())
             .filter(visible)
-            .map(|f| std::f64::consts::TAU / self.frequency(topology, rest, f).norm());
+            .map(|f| std::f64::consts::TAU / self.frequency(sheet, f).norm());
         let mut list: Vec<f64> = lengths.filter(|w| w.is_finite()).collect();
         list.sort_by(f64::total_cmp);
         Some(Wavelengths { min: *list.first()?, median: list[list.len() / 2], max: *list.last()? })

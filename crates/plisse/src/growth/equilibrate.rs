@@ -12,10 +12,11 @@ use super::surface::GrowingSurface;
 use crate::linalg::newton::{Options, Outcome, minimise};
 use crate::material::Material;
 use crate::mesh::normals::try_vertex_normals;
-use crate::mesh::{Mat2, Vec2, Vec3};
+use crate::mesh::{Mat2, RestShape, Vec2, Vec3};
 use crate::progress::Observer;
 use crate::rest::RestMetric;
 use crate::self_contact::SelfContact;
+use crate::sheet::Sheet;
 use crate::shell::{Clamps, Setup};
 use crate::strain::principal_pair;
 use crate::{At, Error, Result};
@@ -204,7 +205,8 @@ impl<'a> FilmModel<'a> {
         let stiffness: Vec<f64> = (0..most.len()).map(|v| self.stiffness(v, most[v])).collect();
         let foundation: Vec<Foundation> =
             (0..most.len()).map(|v| self.foundation(v, most[v], stiffness[v])).collect();
-        let setup = self.setup(step.grown, &foundation, &most);
+        let sheet = self.sheet(step.grown);
+        let setup = self.setup(&sheet, &foundation, &most);
         let crests = self.crests(&stiffness);
         let film = Film::new(&setup, &self.surface.start, &self.thickness, &foundation, &crests)?
             .with_self_contact(self.self_contact(&foundation));
@@ -302,10 +304,17 @@ impl<'a> FilmModel<'a> {
         self.surface.topology.faces.iter().zip(&self.crests).map(of_face).collect()
     }
 
+    /// The film with the rest metric `grown`.
+    fn sheet(&self, grown: &RestMetric) -> Sheet {
+        let (topology, start) = (self.surface.topology.clone(), self.surface.start.clone());
+        let rest_shape = RestShape { positions: start, faces: topology.faces.clone() };
+        Sheet { topology, rest_shape, rest: grown.clone(), material: self.material }
+    }
+
     /// The grown film and what acts on it; `growth` (`[V]`) are the largest factors of length.
     fn setup<'s>(
         &'s self,
-        grown: &'s RestMetric,
+        sheet: &'s Sheet,
         foundation: &[Foundation],
         growth: &[f64],
     ) -> Setup<'s> {
@@ -317,7 +326,7 @@ impl<'a> FilmModel<'a> {
             contact_thickness_m: self.surface.contact_thickness_m,
             contact_pressure_pa: foundation.iter().zip(at).map(pressure).sum::<f64>()
                 / self.area_m2.iter().sum::<f64>(),
-            ..Setup::new(&self.surface.topology, grown, &self.material, &self.clamps)
+            ..Setup::new(sheet, &self.clamps)
         };
         let rest_offset_m: Vec<Vec3> = (0..growth.len())
             .map(|v| {

@@ -105,7 +105,7 @@ impl<'a> Film<'a> {
         foundation: &'a [Foundation],
         crests: &[CrestTension],
     ) -> Result<Self> {
-        let (topology, material) = (setup.topology, setup.material);
+        let (topology, material) = (&setup.sheet.topology, &setup.sheet.material);
         let (unknown, size) = setup.clamps.free_coordinates();
         let membrane = |f: usize| -> Result<Membrane> {
             let material = Material::new(
@@ -113,7 +113,7 @@ impl<'a> Film<'a> {
                 material.poisson,
                 material.thickness_m * thickness[f],
             )?;
-            Ok(Membrane::new(&setup.rest.faces[f], &material, 1.0))
+            Ok(Membrane::new(&setup.sheet.rest.faces[f], &material, 1.0))
         };
         let membranes = (0..topology.face_count()).map(membrane).collect::<Result<_>>()?;
         let bending = bending_rows(setup, thickness);
@@ -214,7 +214,7 @@ impl<'a> Film<'a> {
             }
         }
         for (f, tension) in crests.iter().enumerate().filter(|(_, tension)| **tension != [0.0; 3]) {
-            let corners = self.setup.topology.faces[f];
+            let corners = self.setup.sheet.topology.faces[f];
             let slope = SMatrix::<f64, 9, 1>::from_fn(|k, _| {
                 tension[k / 3] * self.foundation[corners[k / 3]].normal[k % 3]
             });
@@ -271,7 +271,7 @@ impl<'a> Film<'a> {
     }
 
     fn corners(&self, f: usize) -> [Vec3; 3] {
-        self.setup.topology.faces[f].map(|v| self.pose[v])
+        self.setup.sheet.topology.faces[f].map(|v| self.pose[v])
     }
 
     /// Energy (J), and slope (N) along the normal, of what holds vertex `v` beyond the constant
@@ -425,7 +425,7 @@ impl Problem for Film<'_> {
                 gradient[unknown[v][axis]] += scale * force;
             }
         };
-        for (face, slope) in self.setup.topology.faces.iter().zip(&slopes) {
+        for (face, slope) in self.setup.sheet.topology.faces.iter().zip(&slopes) {
             for k in 0..9 {
                 add(face[k / 3], k % 3, slope[k]);
             }
@@ -510,12 +510,13 @@ impl Problem for Film<'_> {
 /// The bending of faces of unequal thickness: each square is scaled by the mean of its faces'
 /// thickness, to the power 3/2.
 pub(super) fn bending_rows(setup: &Setup<'_>, thickness: &[f64]) -> QuadraticBending {
-    let mut bending = QuadraticBending::new(setup.topology, setup.rest, setup.material);
-    let mut around = vec![(0.0, 0.0); setup.topology.vertex_count];
-    for (f, face) in setup.topology.faces.iter().enumerate() {
+    let mut bending =
+        QuadraticBending::new(&setup.sheet.topology, &setup.sheet.rest, &setup.sheet.material);
+    let mut around = vec![(0.0, 0.0); setup.sheet.topology.vertex_count];
+    for (f, face) in setup.sheet.topology.faces.iter().enumerate() {
         for &v in face {
-            around[v].0 += thickness[f] * setup.rest.faces[f].area_m2;
-            around[v].1 += setup.rest.faces[f].area_m2;
+            around[v].0 += thickness[f] * setup.sheet.rest.faces[f].area_m2;
+            around[v].1 += setup.sheet.rest.faces[f].area_m2;
         }
     }
     for (row, (sum, area)) in bending.rows.iter_mut().zip(around) {
@@ -569,7 +570,7 @@ mod tests {
     use crate::mesh::Topology;
     use crate::obstacle::Obstacle;
     use crate::random::Random;
-    use crate::rest::RestMetric;
+    use crate::sheet::Sheet;
     use crate::shell::{Clamps, Loads};
 
     /// Everything at once on an octahedron: sticking above and below, crests, weight, an obstacle
@@ -590,8 +591,8 @@ mod tests {
         ];
         let topology = Topology::new(6, faces).unwrap();
         let grown: Vec<Vec3> = start.iter().map(|p| p * 1.2).collect();
-        let rest = RestMetric::from_shape(&grown, &topology.faces).unwrap();
         let material = Material::new(50.0, 0.3, 0.3).unwrap();
+        let sheet = Sheet::from_rest(grown, topology.faces.clone(), material).unwrap();
         let mut clamps = Clamps::none(6);
         // One held where it started, one away from there.
         clamps.targets[3][1] = Some(start[3].y);
@@ -605,7 +606,7 @@ mod tests {
             loads: Loads { density_kg_m3: 2.0, gravity_m_s2: -9.0 * z, ..Loads::default() },
             obstacles: &obstacles,
             contact_thickness_m: 0.5,
-            ..Setup::new(&topology, &rest, &material, &clamps)
+            ..Setup::new(&sheet, &clamps)
         };
         let foundation: Vec<Foundation> = start
             .iter()
@@ -632,9 +633,10 @@ mod tests {
             Vec3::new(-0.4, 1.1, 0.6),
         ];
         let topology = Topology::new(3, vec![[0, 1, 2]]).unwrap();
-        let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();
-        let (material, clamps) = (Material::new(1.0, 0.0, 0.01).unwrap(), Clamps::none(3));
-        let setup = Setup::new(&topology, &rest, &material, &clamps);
+        let material = Material::new(1.0, 0.0, 0.01).unwrap();
+        let sheet = Sheet::from_rest(start.clone(), topology.faces, material).unwrap();
+        let clamps = Clamps::none(3);
+        let setup = Setup::new(&sheet, &clamps);
         let foundation = [Foundation {
             normal: Vec3::z(),
             stiffness: 1.0,

@@ -48,7 +48,7 @@ mod tests {
     use crate::material::Material;
     use crate::mesh::Topology;
     use crate::mesh::grid::{Diagonal, grid};
-    use crate::rest::RestMetric;
+    use crate::sheet::Sheet;
     use crate::shell::Clamps;
 
     #[test]
@@ -56,10 +56,10 @@ mod tests {
         let panel = grid([1.0, 0.7], 0.1, [None, None], Diagonal::Rising).unwrap();
         let start: Vec<Vec3> = panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
         let topology = Topology::new(start.len(), panel.faces).unwrap();
-        let rest = RestMetric::from_shape(&start, &topology.faces).unwrap();
-        let (material, clamps) =
-            (Material::new(1e5, 0.0, 0.01).unwrap(), Clamps::none(start.len()));
-        let setup = Setup::new(&topology, &rest, &material, &clamps);
+        let material = Material::new(1e5, 0.0, 0.01).unwrap();
+        let sheet = Sheet::from_rest(start.clone(), topology.faces.clone(), material).unwrap();
+        let clamps = Clamps::none(start.len());
+        let setup = Setup::new(&sheet, &clamps);
         let thickness = vec![1.0; topology.face_count()];
         let rough: Vec<Vec3> = start
             .iter()

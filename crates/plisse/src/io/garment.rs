@@ -10,7 +10,7 @@ use std::path::Path;
 use super::obj;
 use crate::error::MeshError;
 use crate::mesh::check::{check_rest_faces, weld};
-use crate::mesh::{Topology, Vec2, Vec3};
+use crate::mesh::{Chart, RestShape, Topology, Vec3};
 use crate::{At, Error, Result};
 
 /// The source of a garment's rest shape.
@@ -35,15 +35,12 @@ pub struct Garment {
     pub positions: Vec<Vec3>,
     /// `[vertices of the file]` welded vertex of each.
     pub vertex_of_input: Vec<usize>,
-    /// `[R]` rest vertices (m).
-    pub rest_positions: Vec<Vec3>,
-    /// `[F][3]` rest vertices of each face, corner by corner.
-    pub rest_faces: Vec<[usize; 3]>,
+    /// The rest shape.
+    pub rest_shape: RestShape,
     /// `[V]` red, green and blue of the posed file's vertices, if it has them.
     pub colours: Option<Vec<[f64; 3]>>,
-    /// Texture coordinates (v up) and those of each face's corners, of the posed file or else of
-    /// the rest file.
-    pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// Texture coordinates (v up), of the posed file or else of the rest file.
+    pub texture: Option<Chart>,
     /// Remarks about what was passed over, fixed, welded or cut: a sentence each, with the file.
     pub notes: Vec<String>,
 }
@@ -58,14 +55,13 @@ pub struct Garment {
 /// in the welded mesh.
 pub fn read(path: &Path, rest: RestSource<'_>, metres_per_unit: f64) -> Result<Garment> {
     let name = path.display().to_string();
-    let Pair { posed, mut rest_positions, rest_faces, rest_texture, mut notes } =
-        read_pair(path, rest)?;
+    let Pair { posed, mut rest_shape, rest_texture, mut notes } = read_pair(path, rest)?;
     let mut welded = weld(&posed.positions, &posed.faces);
     let topology = Topology::new(welded.positions.len(), welded.faces).at(&name)?;
     if metres_per_unit != 1.0 {
         welded.positions.iter_mut().for_each(|p| *p *= metres_per_unit);
         if let RestSource::File(_) = rest {
-            rest_positions.iter_mut().for_each(|p| *p *= metres_per_unit);
+            rest_shape.positions.iter_mut().for_each(|p| *p *= metres_per_unit);
         }
     }
     notes.extend(posed.warnings.iter().map(|w| format!("{name}: {w}")));
@@ -76,7 +72,8 @@ pub fn read(path: &Path, rest: RestSource<'_>, metres_per_unit: f64) -> Result<G
     if !posed.cuts.is_empty() {
         notes.push(format!("{} polygons of {name} were cut into triangles", posed.cuts.len()));
     }
-    let own_texture = posed.texture_faces.map(|faces| (posed.texture_coordinates, faces));
+    let own_texture =
+        posed.texture_faces.map(|faces| Chart { points: posed.texture_coordinates, faces });
     let (positions, vertex_of_input) = (welded.positions, welded.vertex_of_input);
     // Where several became one, the last one's.
     let colours = posed.colours.map(|own| {
@@ -88,8 +85,7 @@ pub fn read(path: &Path, rest: RestSource<'_>, metres_per_unit: f64) -> Result<G
         topology,
         positions,
         vertex_of_input,
-        rest_positions,
-        rest_faces,
+        rest_shape,
         colours,
         texture: own_texture.or(rest_texture),
         notes,
@@ -99,10 +95,9 @@ pub fn read(path: &Path, rest: RestSource<'_>, metres_per_unit: f64) -> Result<G
 /// The two shapes as they stand in their files.
 struct Pair {
     posed: obj::Obj,
-    rest_positions: Vec<Vec3>,
-    rest_faces: Vec<[usize; 3]>,
-    /// Texture coordinates of the rest file and those of each face's corners.
-    rest_texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    rest_shape: RestShape,
+    /// Texture coordinates of the rest file.
+    rest_texture: Option<Chart>,
     notes: Vec<String>,
 }
 
@@ -117,39 +112,40 @@ fn read_pair(path: &Path, rest: RestSource<'_>) -> Result<Pair> {
             let notes = rest.warnings.iter().map(|w| format!("{rest_name}: {w}")).collect();
             let pair = Pair {
                 posed,
-                rest_positions: rest.positions,
-                rest_faces: rest.faces,
-                rest_texture: rest.texture_faces.map(|faces| (rest.texture_coordinates, faces)),
+                rest_shape: RestShape { positions: rest.positions, faces: rest.faces },
+                rest_texture: rest
+                    .texture_faces
+                    .map(|faces| Chart { points: rest.texture_coordinates, faces }),
                 notes,
             };
             (rest_name, pair)
         }
         RestSource::Texture { metres_per_uv } => {
             let posed = obj::read(path)?;
-            let Some(rest_faces) = posed.texture_faces.clone() else {
+            let Some(faces) = posed.texture_faces.clone() else {
                 let message = "its faces have no texture coordinates to take the rest shape from; \
                     export it with them, or give a rest mesh";
                 return Err(Error::mesh(name, message));
             };
-            let rest_positions = posed
+            let positions = posed
                 .texture_coordinates
                 .iter()
                 .map(|t| Vec3::new(t.x, t.y, 0.0) * metres_per_uv)
                 .collect();
-            let pair =
-                Pair { posed, rest_positions, rest_faces, rest_texture: None, notes: Vec::new() };
+            let rest_shape = RestShape { positions, faces };
+            let pair = Pair { posed, rest_shape, rest_texture: None, notes: Vec::new() };
             (format!("{name}, texture coordinates"), pair)
         }
     };
-    if pair.rest_faces.len() != pair.posed.faces.len() {
+    if pair.rest_shape.faces.len() != pair.posed.faces.len() {
         let problem = MeshError::FaceCountsDiffer {
-            rest_faces: pair.rest_faces.len(),
+            rest_faces: pair.rest_shape.faces.len(),
             pose: name,
             pose_faces: pair.posed.faces.len(),
         };
         return Err(Error::from(problem).at(&rest_name));
     }
-    check_rest_faces(&pair.rest_positions, &pair.rest_faces).at(&rest_name)?;
+    check_rest_faces(&pair.rest_shape.positions, &pair.rest_shape.faces).at(&rest_name)?;
     Ok(pair)
 }
 
@@ -187,10 +183,10 @@ mod tests {
         assert_eq!(worn.vertex_of_input, [0, 1, 2, 1, 0, 3]);
         assert_eq!(worn.positions[3], Vec3::new(-1.0, 1.0, 5.0) * 0.01);
         assert_eq!(
-            (worn.rest_positions[3], worn.rest_faces[1]),
+            (worn.rest_shape.positions[3], worn.rest_shape.faces[1]),
             (Vec3::new(3.0, 1.0, 0.0) * 0.01, [3, 5, 4])
         );
-        assert_eq!(worn.texture.unwrap().1[1], [3, 5, 4]);
+        assert_eq!(worn.texture.unwrap().faces[1], [3, 5, 4]);
         assert!(
             worn.notes[0].contains("2 vertices of") && worn.notes.len() == 1,
             "{:?}",
@@ -198,7 +194,7 @@ mod tests {
         );
         let textured = pair("texture", WORN, "", 0.01).unwrap();
         assert_eq!(
-            (textured.rest_positions[3], textured.rest_faces[1]),
+            (textured.rest_shape.positions[3], textured.rest_shape.faces[1]),
             (Vec3::new(6.0, 2.0, 0.0), [3, 5, 4])
         );
     }

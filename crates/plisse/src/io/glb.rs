@@ -9,7 +9,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use crate::mesh::{Up, Vec2, Vec3};
+use crate::mesh::{Chart, Up, Vec3};
 
 /// A triangle mesh with normals, its arrays borrowed.
 #[derive(Clone, Copy, Debug)]
@@ -20,9 +20,9 @@ pub struct Mesh<'a> {
     pub normals: &'a [Vec3],
     /// `[F][3]` vertices of each face, counter-clockwise seen from outside.
     pub faces: &'a [[usize; 3]],
-    /// `[T]` texture coordinates with v up (stored with v down, as glTF has it), and `[F][3]` which
-    /// of them each corner has. Vertices are doubled where their corners differ.
-    pub texture: Option<(&'a [Vec2], &'a [[usize; 3]])>,
+    /// Texture coordinates with v up (stored with v down, as glTF has it). Vertices are doubled
+    /// where their corners differ.
+    pub texture: Option<&'a Chart>,
 }
 
 /// Writes `mesh`, in whose coordinates `up` points up, as binary glTF: if that is z, positions and
@@ -44,7 +44,7 @@ pub fn write<W: Write + ?Sized>(
     up: Up,
 ) -> io::Result<()> {
     check(mesh, base_colour)?;
-    let split = mesh.texture.map(|(_, texture_faces)| split(mesh.faces, texture_faces));
+    let split = mesh.texture.map(|texture| split(mesh.faces, &texture.faces));
     let buffer = buffer_of(mesh, split.as_ref());
     write_container(out, &document_of(&buffer, base_colour, up), &buffer.bytes)
 }
@@ -107,9 +107,9 @@ fn buffer_of(mesh: &Mesh<'_>, split: Option<&Split>) -> Buffer {
         json!({"bufferView": 1, "componentType": FLOAT, "count": vertex_count, "type": "VEC3"}),
     ];
     buffer.attributes = json!({"POSITION": 0, "NORMAL": 1});
-    if let (Some(split), Some((coordinates, _))) = (split, mesh.texture) {
+    if let (Some(split), Some(texture)) = (split, mesh.texture) {
         for &[_, t] in &split.vertices {
-            let uv = [coordinates[t].x as f32, (1.0 - coordinates[t].y) as f32];
+            let uv = [texture.points[t].x as f32, (1.0 - texture.points[t].y) as f32];
             buffer.bytes.extend(uv.into_iter().flat_map(f32::to_le_bytes));
         }
         buffer.end_view(ARRAY_BUFFER);
@@ -224,7 +224,7 @@ fn check(mesh: &Mesh<'_>, base_colour: [f32; 4]) -> io::Result<()> {
     if !base_colour.iter().all(|c| (0.0..=1.0).contains(c)) {
         return Err(invalid(format!("the base colour {base_colour:?} is not within 0..1")));
     }
-    if let Some((coordinates, texture_faces)) = mesh.texture {
+    if let Some(Chart { points: coordinates, faces: texture_faces }) = mesh.texture {
         let t = coordinates.len();
         if texture_faces.len() != f {
             return Err(invalid(format!(
@@ -271,6 +271,7 @@ fn split(faces: &[[usize; 3]], texture_faces: &[[usize; 3]]) -> Split {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Vec2;
 
     const COLOUR: [f32; 4] = [0.8, 0.5, 0.25, 1.0];
 
@@ -406,14 +407,13 @@ mod tests {
     #[test]
     fn seams_double_vertices_and_corners_keep_what_they_had() {
         let (positions, normals, faces) = square();
-        let coordinates =
-            [Vec2::new(0.0, 0.0), Vec2::new(1.0, 0.25), Vec2::new(1.0, 1.0), Vec2::new(0.5, 0.0)];
-        let texture_faces = [[0, 1, 2], [3, 2, 1]];
+        let points = [[0.0, 0.0], [1.0, 0.25], [1.0, 1.0], [0.5, 0.0]].map(Vec2::from).to_vec();
+        let texture = Chart { points, faces: vec![[0, 1, 2], [3, 2, 1]] };
         let mesh = Mesh {
             positions: &positions,
             normals: &normals,
             faces: &faces,
-            texture: Some((&coordinates, &texture_faces)),
+            texture: Some(&texture),
         };
         let parts = written(&mesh, Up::Y);
         let (p, uv, indices) =
@@ -421,7 +421,7 @@ mod tests {
         // Only vertex 0 has two texture coordinates.
         assert_eq!((p.len(), uv.len(), parts.attribute::<3>("NORMAL").len()), (5, 5, 5));
         for (c, &i) in indices.iter().enumerate() {
-            let t = coordinates[texture_faces[c / 3][c % 3]];
+            let t = texture.corners(c / 3)[c % 3];
             assert_eq!(
                 (p[i], uv[i]),
                 (single(&positions[faces[c / 3][c % 3]]), [t.x as f32, 1.0 - t.y as f32])
@@ -447,13 +447,14 @@ mod tests {
             message(Mesh { positions: &[Vec3::new(0.0, 1e39, 0.0); 4], ..good })
                 .contains("vertex 0 is not finite")
         );
-        let uv = [Vec2::zeros()];
+        let chart =
+            |faces: &[[usize; 3]]| Chart { points: vec![Vec2::zeros()], faces: faces.to_vec() };
         assert!(
-            message(Mesh { texture: Some((&uv, &[[0; 3]])), ..good })
+            message(Mesh { texture: Some(&chart(&[[0; 3]])), ..good })
                 .contains("1 texture faces for 2 faces")
         );
         assert!(
-            message(Mesh { texture: Some((&uv, &[[0; 3], [0, 1, 0]])), ..good })
+            message(Mesh { texture: Some(&chart(&[[0; 3], [0, 1, 0]])), ..good })
                 .contains("face 1 names a texture coordinate")
         );
         assert!(write(&mut Vec::new(), &good, [f32::NAN; 4], Up::Y).is_err());

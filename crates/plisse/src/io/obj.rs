@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::polygon;
-use crate::mesh::{Vec2, Vec3};
+use crate::mesh::{Chart, Vec2, Vec3};
 use crate::{Error, Result};
 
 /// The triangles of an OBJ file, in the order of the file. Vertices and texture coordinates are
@@ -112,7 +112,7 @@ fn parse_with(path: &Path, text: &str, cuts: Option<&[PolygonCut]>) -> Result<Ob
 }
 
 /// Writes triangles as OBJ: `positions` (`[V]`, m), `faces` (`[F][3]`, from 0), and, if given,
-/// texture coordinates (`[T]`, v up) with the texture coordinate of each corner (`[F][3]`).
+/// texture coordinates.
 ///
 /// Numbers are written with as few digits as bring back the very same `f64` when read.
 ///
@@ -123,12 +123,12 @@ pub fn write<W: Write + ?Sized>(
     out: &mut W,
     positions: &[Vec3],
     faces: &[[usize; 3]],
-    texture: Option<(&[Vec2], &[[usize; 3]])>,
+    texture: Option<&Chart>,
 ) -> io::Result<()> {
     for p in positions {
         writeln!(out, "v {} {} {}", p.x, p.y, p.z)?;
     }
-    let Some((coordinates, texture_faces)) = texture else {
+    let Some(Chart { points: coordinates, faces: texture_faces }) = texture else {
         for face in faces {
             let [a, b, c] = face.map(|v| v + 1);
             writeln!(out, "f {a} {b} {c}")?;
@@ -558,11 +558,12 @@ mod tests {
             (0..300).map(|_| Vec3::new(number(), number(), number())).collect();
         positions.push(Vec3::new(-0.0, f64::MIN_POSITIVE / 8.0, f64::MAX));
         positions.push(Vec3::new(0.1 + 0.2, 1.0 / 3.0, -5e-324));
-        let coordinates: Vec<Vec2> = (0..50).map(|_| Vec2::new(number(), number())).collect();
+        let points: Vec<Vec2> = (0..50).map(|_| Vec2::new(number(), number())).collect();
         let faces: Vec<[usize; 3]> = (0..300).map(|i| [i, i + 1, (i * 7) % 302]).collect();
         let texture_faces: Vec<[usize; 3]> =
             (0..300).map(|i| [i % 50, (i + 1) % 50, (i * 3) % 50]).collect();
-        for texture in [None, Some((&coordinates[..], &texture_faces[..]))] {
+        let mut chart = Chart { points, faces: texture_faces };
+        for texture in [None, Some(&chart)] {
             let mut text = Vec::new();
             write(&mut text, &positions, &faces, texture).unwrap();
             let obj = parsed(std::str::from_utf8(&text).unwrap());
@@ -571,14 +572,15 @@ mod tests {
             };
             assert_eq!(bits(&obj.positions), bits(&positions));
             assert_eq!(obj.faces, faces);
-            assert_eq!(obj.texture_faces.as_deref(), texture.map(|t| t.1));
-            assert_eq!(obj.texture_coordinates, texture.map(|t| t.0.to_vec()).unwrap_or_default());
+            assert_eq!(obj.texture_faces.as_ref(), texture.map(|t| &t.faces));
+            assert_eq!(
+                obj.texture_coordinates,
+                texture.map(|t| t.points.clone()).unwrap_or_default()
+            );
             assert!(obj.warnings.is_empty());
         }
-        assert!(
-            write(&mut Vec::new(), &positions, &faces, Some((&coordinates, &texture_faces[1..])))
-                .is_err()
-        );
+        chart.faces.remove(0);
+        assert!(write(&mut Vec::new(), &positions, &faces, Some(&chart)).is_err());
     }
 
     #[test]

@@ -1,26 +1,22 @@
 //! Texture coordinates of flat panels: side by side in the unit square.
 
-use super::{Vec2, Vec3};
+use super::{Chart, RestShape, Vec2};
 
 /// Space between islands, relative to the largest side of all of them.
 const GAP: f64 = 0.02;
 
-/// Texture coordinates from flat rest panels, and those of each face's corners: their rest
-/// positions (`[R]`, m; `rest_faces`, `[F][3]`), side by side in the unit square; `None` for rest
-/// shapes that are not flat.
-pub fn panel_texture(
-    rest_positions: &[Vec3],
-    rest_faces: &[[usize; 3]],
-) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
-    let first = *rest_positions.first()?;
+/// Texture coordinates from flat rest panels: their rest positions, side by side in the unit
+/// square; `None` for rest shapes that are not flat.
+pub fn panel_texture(rest: &RestShape) -> Option<Chart> {
+    let first = *rest.positions.first()?;
     let (low, high) =
-        rest_positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+        rest.positions.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
     let size = (high - low).x.max((high - low).y);
     if (high - low).z > 1e-9 * size {
         return None;
     }
-    let flat: Vec<Vec2> = rest_positions.iter().map(|p| p.xy()).collect();
-    Some((side_by_side(&flat, rest_faces), rest_faces.to_vec()))
+    let flat: Vec<Vec2> = rest.positions.iter().map(|p| p.xy()).collect();
+    Some(Chart { points: side_by_side(&flat, &rest.faces), faces: rest.faces.clone() })
 }
 
 /// Scales the plane figures `positions` (`[T]`, m) into the unit square, all alike. Where the

@@ -2,6 +2,7 @@
 //! surfaces, charts of panels side by side ([`islands`]), sewing ([`sew`]), welding and checks
 //! ([`check`]), normals ([`normals`]), Loop subdivision ([`subdivide`], by [`masks`]).
 
+mod chart;
 pub mod check;
 pub mod closed;
 pub mod crossing;
@@ -18,6 +19,7 @@ mod topology;
 mod up;
 
 pub use crate::adjacency::NONE;
+pub use chart::{Chart, RestShape};
 pub use topology::Topology;
 pub use up::Up;
 

@@ -66,7 +66,7 @@ fn solve_base_by_way(
     [fine, coarse]: [usize; 2],
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, BaseReport)> {
-    if scene.mesh.is_none() && built.topology.vertex_count >= fine {
+    if scene.mesh.is_none() && built.sheet.topology.vertex_count >= fine {
         // Where that fails, the fine mesh is solved as it is, and tells what is wrong.
         if let Ok(found) = from_coarse(scene, coarse, built, observer) {
             return Ok(found);
@@ -110,25 +110,30 @@ impl Observer for Renamed<'_> {
 /// that is nearest to it in its panel takes it, also a little beyond that face's sides. Where
 /// panels are sewn, the mean of both. Both meshes are of one scene's panels.
 fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
-    let mut vertex_of_rest = vec![usize::MAX; fine.rest_positions.len()];
-    for (rest_face, face) in fine.rest_faces.iter().zip(&fine.topology.faces) {
+    let mut vertex_of_rest = vec![usize::MAX; fine.sheet.rest_shape.positions.len()];
+    for (rest_face, face) in fine.sheet.rest_shape.faces.iter().zip(&fine.sheet.topology.faces) {
         rest_face.iter().zip(face).for_each(|(&r, &v)| vertex_of_rest[r] = v);
     }
-    let (mut sum, mut times) =
-        (vec![Vec3::zeros(); fine.topology.vertex_count], vec![0.0; fine.topology.vertex_count]);
+    let (mut sum, mut times) = (
+        vec![Vec3::zeros(); fine.sheet.topology.vertex_count],
+        vec![0.0; fine.sheet.topology.vertex_count],
+    );
     for (from, to) in coarse.panels.iter().zip(&fine.panels) {
         let surface = rest_surface(coarse, from)?;
         for r in to.rest_vertices.clone().filter(|&r| vertex_of_rest[r] != usize::MAX) {
-            let place = &fine.rest_positions[r];
+            let place = &fine.sheet.rest_shape.positions[r];
             let (_, (leaf, _)) = surface.project_local_point_and_get_location(
                 Vector::new(place.x, place.y, place.z),
                 false,
             );
             let f = from.faces.start + leaf as usize;
-            let weights =
-                barycentric(place, &coarse.rest_faces[f].map(|r| coarse.rest_positions[r]));
+            let weights = barycentric(
+                place,
+                &coarse.sheet.rest_shape.faces[f].map(|r| coarse.sheet.rest_shape.positions[r]),
+            );
             let v = vertex_of_rest[r];
-            sum[v] += (0..3).map(|k| pose[coarse.topology.faces[f][k]] * weights[k]).sum::<Vec3>();
+            sum[v] +=
+                (0..3).map(|k| pose[coarse.sheet.topology.faces[f][k]] * weights[k]).sum::<Vec3>();
             times[v] += 1.0;
         }
     }
@@ -138,11 +143,11 @@ fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
 /// The rest shape of a panel; its n-th triangle is the panel's n-th face.
 fn rest_surface(built: &Built, panel: &BuiltPanel) -> Result<TriMesh> {
     let first = panel.rest_vertices.start;
-    let positions = built.rest_positions[panel.rest_vertices.clone()]
+    let positions = built.sheet.rest_shape.positions[panel.rest_vertices.clone()]
         .iter()
         .map(|p| Vector::new(p.x, p.y, p.z))
         .collect();
-    let faces = built.rest_faces[panel.faces.clone()]
+    let faces = built.sheet.rest_shape.faces[panel.faces.clone()]
         .iter()
         .map(|face| face.map(|r| (r - first) as u32))
         .collect();

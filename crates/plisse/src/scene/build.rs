@@ -6,11 +6,11 @@ use super::probe::{self, Probe};
 use super::schema::Scene;
 use super::{bodies, garment, hold, maps, options, panels};
 use crate::field::FieldOptions;
-use crate::material::Material;
 use crate::mesh::islands::panel_texture;
-use crate::mesh::{Topology, Vec2, Vec3};
+use crate::mesh::{Chart, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
+use crate::sheet::Sheet;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
 use crate::wrinkled::Posed;
 use crate::{At, Result};
@@ -28,15 +28,10 @@ pub struct Built {
     pub title: String,
     /// Published results, in words; may be empty.
     pub paper: String,
-    /// Connectivity of the sewn surface.
-    pub topology: Topology,
-    /// `[F]` rest metric; grown, if the scene grows.
-    pub rest: RestMetric,
-    /// `[R]` rest vertices (m): of all panels, one panel after the other, each in its own plane z =
-    /// 0 (or around its own origin, if it is closed); or of a mesh's rest shape.
-    pub rest_positions: Vec<Vec3>,
-    /// `[F][3]` rest vertices of each face, corner by corner.
-    pub rest_faces: Vec<[usize; 3]>,
+    /// The sewn sheet. Its rest shape has the panels one after the other, each in its own plane z =
+    /// 0 (or around its own origin, if it is closed), or is that of a mesh; its rest metric is
+    /// grown, if the scene grows.
+    pub sheet: Sheet,
     /// `[V]` start pose (m), before the clamps move.
     pub start: Vec<Vec3>,
     /// Targets of the held coordinates.
@@ -47,8 +42,6 @@ pub struct Built {
     pub obstacles: Vec<Obstacle>,
     /// Distance to obstacles (m) below which contact pushes back.
     pub contact_thickness_m: f64,
-    /// The sheet's material.
-    pub material: Material,
     /// Options of the base solve.
     pub base: BaseOptions,
     /// Options of the field's solve.
@@ -63,9 +56,8 @@ pub struct Built {
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order; none if the scene has a mesh.
     pub panels: Vec<BuiltPanel>,
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`), if the mesh's files
-    /// gave them or some panel is closed.
-    pub texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    /// Texture coordinates (v up), if the mesh's files gave them or some panel is closed.
+    pub texture: Option<Chart>,
     /// Notes of the readers of files on what they skipped or fixed, a sentence each.
     pub notes: Vec<String>,
 }
@@ -74,9 +66,7 @@ impl Built {
     /// The input of the base solve and the reference shell.
     pub fn setup(&self) -> Setup<'_> {
         Setup {
-            topology: &self.topology,
-            rest: &self.rest,
-            material: &self.material,
+            sheet: &self.sheet,
             clamps: &self.clamps,
             loads: self.loads.clone(),
             obstacles: &self.obstacles,
@@ -90,24 +80,21 @@ impl Built {
     /// The scene's surface in `pose` (`[V]`, m), to be wrinkled and written.
     pub fn posed<'a>(&'a self, pose: &'a [Vec3]) -> Posed<'a> {
         Posed {
-            topology: &self.topology,
-            rest: &self.rest,
-            rest_shape: (&self.rest_positions, &self.rest_faces),
+            sheet: &self.sheet,
             pose,
-            material: &self.material,
             curvature_rings: self.field.curvature_rings,
             levels: self.levels,
             v1: self.v1,
             v2: self.v2,
-            obstacles: (&self.obstacles, CLEARANCE * self.contact_thickness_m),
+            obstacles: &self.obstacles,
+            clearance_m: CLEARANCE * self.contact_thickness_m,
             texture: self.texture(),
         }
     }
 
-    /// Texture coordinates (v up) and those of each face's corners (`[F][3]`): of the mesh's files,
-    /// else flat panels side by side.
-    pub fn texture(&self) -> Option<(Vec<Vec2>, Vec<[usize; 3]>)> {
-        self.texture.clone().or_else(|| panel_texture(&self.rest_positions, &self.rest_faces))
+    /// Texture coordinates (v up): of the mesh's files, else flat panels side by side.
+    pub fn texture(&self) -> Option<Chart> {
+        self.texture.clone().or_else(|| panel_texture(&self.sheet.rest_shape))
     }
 }
 
@@ -133,7 +120,8 @@ pub fn build(scene: &Scene) -> Result<Built> {
 
 fn build_unplaced(scene: &Scene) -> Result<Built> {
     let laid = lay(scene)?;
-    let mut rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
+    let mut rest = RestMetric::from_shape(&laid.rest_shape.positions, &laid.rest_shape.faces)
+        .at(&scene.file)?;
     if let Some(table) = &scene.growth {
         rest = maps::expansion(scene, table, &laid)?.act_on(&laid.topology, &laid.start, &rest)?;
     }
@@ -167,7 +155,6 @@ pub(super) fn assemble(
     Ok(Built {
         title: scene.title.clone(),
         paper: scene.paper.clone(),
-        rest,
         clamps,
         loads,
         obstacles: bodies::obstacles(scene)?,
@@ -175,17 +162,19 @@ pub(super) fn assemble(
             .contact
             .thickness_m
             .unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
-        material: options::material(scene)?,
         base: options::base_options(scene),
         field: options::field_options(scene)?,
         levels: scene.surface.levels,
         v1: scene.surface.v1,
         v2: scene.surface.v2,
         probes: probe::probes(scene, &laid)?,
-        topology: laid.topology,
+        sheet: Sheet {
+            topology: laid.topology,
+            rest_shape: laid.rest_shape,
+            rest,
+            material: options::material(scene)?,
+        },
         start: laid.start,
-        rest_positions: laid.rest_positions,
-        rest_faces: laid.rest_faces,
         panels: laid.panels,
         texture: laid.texture,
         notes: laid.notes,
@@ -196,6 +185,7 @@ pub(super) fn assemble(
 mod tests {
     use super::*;
     use crate::field::WrinkleFreeRule;
+    use crate::material::Material;
     use crate::scene::{parse, read};
 
     const SHEET: &str = concat!(
@@ -224,12 +214,15 @@ mod tests {
     fn the_cylinder_is_rolled_without_strain_and_its_top_turned() {
         let b = example("01-twisted-cylinder.toml");
         assert!(
-            (670..=700).contains(&b.topology.vertex_count),
+            (670..=700).contains(&b.sheet.topology.vertex_count),
             "{} vertices",
-            b.topology.vertex_count
+            b.sheet.topology.vertex_count
         );
-        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count());
-        for s in crate::strain::strain(&b.topology, &b.rest, &b.start) {
+        assert_eq!(
+            b.sheet.topology.vertex_count + b.sheet.topology.face_count(),
+            b.sheet.topology.edge_count()
+        );
+        for s in crate::strain::strain(&b.sheet.topology, &b.sheet.rest, &b.start) {
             // A chord of length l on radius 1 is shorter by l²/24, twice of which is strain; edges
             // are at most 0.45 m long.
             assert!(s.principal.iter().all(|p| p.abs() < 0.45 * 0.45 / 12.0), "{:?}", s.principal);
@@ -253,8 +246,8 @@ mod tests {
         }
         assert_eq!(held, [26, 26]);
         assert_eq!((b.levels, b.v1, b.v2, b.panels.len()), (None, false, true, 1));
-        assert_eq!(b.panels[0].faces, 0..b.topology.face_count());
-        assert_eq!(b.panels[0].rest_vertices, 0..b.rest_positions.len());
+        assert_eq!(b.panels[0].faces, 0..b.sheet.topology.face_count());
+        assert_eq!(b.panels[0].rest_vertices, 0..b.sheet.rest_shape.positions.len());
     }
 
     #[test]
@@ -265,9 +258,9 @@ mod tests {
         ] {
             let b = example(name);
             assert!(
-                range.contains(&b.topology.vertex_count),
+                range.contains(&b.sheet.topology.vertex_count),
                 "{name}: {} vertices",
-                b.topology.vertex_count
+                b.sheet.topology.vertex_count
             );
             let moved: Vec<f64> = (0..b.start.len())
                 .filter_map(|v| b.clamps.targets[v][0].map(|x| x - b.start[v].x))
@@ -357,8 +350,8 @@ mod tests {
         let build_at = |x| build(&parse("s.toml", &second(x)).unwrap());
         let b = build_at(1.0).unwrap();
         assert_eq!(
-            (b.topology.vertex_count, b.panels[1].name.as_str()),
-            (b.rest_positions.len() - 6, "q")
+            (b.sheet.topology.vertex_count, b.panels[1].name.as_str()),
+            (b.sheet.rest_shape.positions.len() - 6, "q")
         );
         assert_eq!(b.start.iter().map(|p| p.x).fold(0.0, f64::max), 2.0);
         assert!(build_at(1.0 + 1e-8).is_ok());
@@ -385,7 +378,10 @@ mod tests {
             clamp = [{ side = "a.outer" }]"#
         );
         let b = build(&parse("s.toml", text).unwrap()).unwrap();
-        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 1);
+        assert_eq!(
+            b.sheet.topology.vertex_count + b.sheet.topology.face_count(),
+            b.sheet.topology.edge_count() + 1
+        );
         let apart = build(&parse("s.toml", &text.replace("true", "false")).unwrap())
             .unwrap_err()
             .to_string();
@@ -418,7 +414,7 @@ mod tests {
                 && !b.field.relaxed_integrability
         );
         assert_eq!((b.levels, b.v1, b.v2), (Some(3), true, false));
-        assert_eq!(b.material, Material::new(1e7, 0.3, 1e-4).unwrap());
+        assert_eq!(b.sheet.material, Material::new(1e7, 0.3, 1e-4).unwrap());
     }
 
     #[test]

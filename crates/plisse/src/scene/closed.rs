@@ -1,8 +1,9 @@
 //! Panels that are closed surfaces: a sphere or a torus, whose rest shape is itself.
 
-use super::laid::{BuiltPanel, Chart};
+use super::laid::BuiltPanel;
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
 use super::value::positive;
+use crate::mesh::Chart;
 use crate::mesh::Vec3;
 use crate::mesh::closed::{Closed, sphere, torus};
 use crate::{At, Error, Result};
@@ -49,7 +50,7 @@ pub(super) fn cut(place: &str, table: &PanelTable) -> Result<Closed> {
 }
 
 /// Puts the rest vertices (`[R]`, m) of closed panels where they lie; returns the panel coordinates
-/// (m) of all panels and those of the corners of each face, if there is a closed one.
+/// (m) of all panels, if there is a closed one.
 pub(super) fn shape(
     scene: &Scene,
     panels: &[BuiltPanel],
@@ -59,24 +60,24 @@ pub(super) fn shape(
     if !scene.panel.iter().any(|panel| panel.shape.closed()) {
         return Ok(None);
     }
-    let (mut chart, mut faces): Chart = (Vec::new(), Vec::new());
+    let mut chart = Chart::default();
     for (i, (panel, table)) in panels.iter().zip(&scene.panel).enumerate() {
-        let first = chart.len();
+        let first = chart.points.len();
         if table.shape.closed() {
             let surface = cut(&format!("panel[{i}]"), table)?;
             rest_positions[panel.rest_vertices.clone()].copy_from_slice(&surface.positions);
-            chart.extend(surface.chart);
-            faces.extend(surface.chart_faces.iter().map(|face| face.map(|p| first + p)));
+            chart.points.extend(surface.chart);
+            chart.faces.extend(surface.chart_faces.iter().map(|face| face.map(|p| first + p)));
         } else {
-            chart.extend(rest_positions[panel.rest_vertices.clone()].iter().map(|p| p.xy()));
-            faces.extend(
+            chart.points.extend(rest_positions[panel.rest_vertices.clone()].iter().map(|p| p.xy()));
+            chart.faces.extend(
                 rest_faces[panel.faces.clone()]
                     .iter()
                     .map(|face| face.map(|r| first + r - panel.rest_vertices.start)),
             );
         }
     }
-    Ok(Some((chart, faces)))
+    Ok(Some(chart))
 }
 
 #[cfg(test)]
@@ -99,20 +100,22 @@ mod tests {
     #[test]
     fn closed_panels_rest_as_they_are_where_they_are_placed() {
         let ball = built(SPHERE, HELD).unwrap();
-        assert_eq!(ball.start, ball.rest_positions);
-        assert!((ball.rest.area_m2() / (4.0 * std::f64::consts::PI * 0.25) - 1.0).abs() < 0.02);
+        assert_eq!(ball.start, ball.sheet.rest_shape.positions);
+        assert!(
+            (ball.sheet.rest.area_m2() / (4.0 * std::f64::consts::PI * 0.25) - 1.0).abs() < 0.02
+        );
         let ring = built(TORUS, HELD).unwrap();
         assert_eq!(
-            ring.topology.vertex_count + ring.topology.face_count(),
-            ring.topology.edge_count()
+            ring.sheet.topology.vertex_count + ring.sheet.topology.face_count(),
+            ring.sheet.topology.edge_count()
         );
-        for (p, rest) in ring.start.iter().zip(&ring.rest_positions) {
+        for (p, rest) in ring.start.iter().zip(&ring.sheet.rest_shape.positions) {
             assert!((p - Vec3::new(1.0 + rest.z, 2.0 + rest.x, 3.0 + rest.y)).norm() < 1e-12);
         }
-        let (texture, corners) = ring.texture.unwrap();
+        let texture = ring.texture.unwrap();
         assert!(
-            corners.len() == ring.topology.face_count()
-                && texture.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0)
+            texture.faces.len() == ring.sheet.topology.face_count()
+                && texture.points.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0)
         );
         // Beside a flat panel, each keeps its own; pressure is on the inside.
         let other = "[[panel]]\nname = \"q\"\nshape = \"disk\"\nradius_m = 1\nedge_length_m = 0.2";
@@ -122,7 +125,7 @@ mod tests {
             both.start[ball.start.len()..].iter().all(|p| p.z == 0.0)
                 && disk.rest_vertices.start == ball.start.len()
         );
-        assert_eq!(both.texture.unwrap().1.len(), both.topology.face_count());
+        assert_eq!(both.texture.unwrap().faces.len(), both.sheet.topology.face_count());
         assert!(built(SPHERE, "[load]\npressure_pa = 1").is_ok());
     }
 

@@ -10,7 +10,7 @@ use super::value::{not_blank_path, positive};
 use crate::io::garment::{self, RestSource};
 use crate::io::{obj, ply_mesh};
 use crate::mesh::check::{check_rest_faces, weld};
-use crate::mesh::{Topology, Vec2, Vec3};
+use crate::mesh::{Chart, RestShape, Topology, Vec3};
 use crate::{At, Error, Result};
 
 /// Checks that need no file.
@@ -79,8 +79,7 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
     })?;
     Ok(Laid {
         topology: garment.topology,
-        rest_positions: garment.rest_positions,
-        rest_faces: garment.rest_faces,
+        rest_shape: garment.rest_shape,
         start: garment.positions,
         vertex_of_rest: Vec::new(),
         panels: Vec::new(),
@@ -104,7 +103,7 @@ fn attributes_of(colours: &[[f64; 3]]) -> Vec<(String, Vec<f64>)> {
 struct Start {
     positions: Vec<Vec3>,
     faces: Vec<[usize; 3]>,
-    texture: Option<(Vec<Vec2>, Vec<[usize; 3]>)>,
+    texture: Option<Chart>,
     attributes: Vec<(String, Vec<f64>)>,
     warnings: Vec<String>,
     cut: usize,
@@ -113,7 +112,7 @@ struct Start {
 fn read_start(path: &Path) -> Result<Start> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ply")) {
         let mesh = ply_mesh::read(path)?;
-        let texture = mesh.texture.map(|texture| (texture, mesh.faces.clone()));
+        let texture = mesh.texture.map(|points| Chart { points, faces: mesh.faces.clone() });
         let (positions, faces, attributes) = (mesh.positions, mesh.faces, mesh.attributes);
         return Ok(Start {
             positions,
@@ -128,7 +127,7 @@ fn read_start(path: &Path) -> Result<Start> {
     Ok(Start {
         positions: mesh.positions,
         faces: mesh.faces,
-        texture: mesh.texture_faces.map(|faces| (mesh.texture_coordinates, faces)),
+        texture: mesh.texture_faces.map(|faces| Chart { points: mesh.texture_coordinates, faces }),
         attributes: mesh.colours.map_or_else(Vec::new, |colours| attributes_of(&colours)),
         warnings: mesh.warnings,
         cut: mesh.cuts.len(),
@@ -159,8 +158,7 @@ fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
     }
     Ok(Laid {
         attributes: attributes.collect(),
-        rest_positions: positions.clone(),
-        rest_faces: topology.faces.clone(),
+        rest_shape: RestShape { positions: positions.clone(), faces: topology.faces.clone() },
         start: positions,
         topology,
         vertex_of_rest: Vec::new(),
@@ -264,15 +262,25 @@ mod tests {
         let tube = Tube::new("welded", false);
         let flat = tube.built(FLAT, CLAMP).unwrap();
         assert_eq!(
-            (flat.topology.vertex_count, flat.rest_positions.len(), flat.panels.len()),
+            (
+                flat.sheet.topology.vertex_count,
+                flat.sheet.rest_shape.positions.len(),
+                flat.panels.len()
+            ),
             (60, 65, 0)
         );
         assert_eq!(
-            flat.topology.vertex_count + flat.topology.face_count(),
-            flat.topology.edge_count()
+            flat.sheet.topology.vertex_count + flat.sheet.topology.face_count(),
+            flat.sheet.topology.edge_count()
         );
-        assert!((flat.rest.area_m2() - 0.6 * 0.2).abs() < 1e-12, "{}", flat.rest.area_m2());
-        assert!(flat.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.05 * 0.05).abs() < 1e-12));
+        assert!(
+            (flat.sheet.rest.area_m2() - 0.6 * 0.2).abs() < 1e-12,
+            "{}",
+            flat.sheet.rest.area_m2()
+        );
+        assert!(
+            flat.sheet.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.05 * 0.05).abs() < 1e-12)
+        );
         assert!((flat.start[0] - Vec3::new(0.1, 0.0, 0.0)).norm() < 1e-15);
         assert_eq!(flat.clamps.held().iter().filter(|h| **h).count(), 12);
         assert!(
@@ -282,7 +290,7 @@ mod tests {
         );
         // One unit of texture is a metre: the same strip.
         let textured = tube.built("metres_per_uv = 1.0\nmetres_per_unit = 0.01", CLAMP).unwrap();
-        for (a, b) in flat.rest.faces.iter().zip(&textured.rest.faces) {
+        for (a, b) in flat.sheet.rest.faces.iter().zip(&textured.sheet.rest.faces) {
             assert!(
                 (a.inverse_root - b.inverse_root).norm() < 1e-9
                     && (a.area_m2 - b.area_m2).abs() < 1e-12
@@ -362,9 +370,9 @@ mod tests {
             build(&parse(tube.folder.join("s.toml"), &text)?)
         };
         let b = built("start = \"worn.obj\"\nmetres_per_unit = 0.01").unwrap();
-        assert_eq!((b.topology.vertex_count, &b.start), (60, &b.rest_positions));
+        assert_eq!((b.sheet.topology.vertex_count, &b.start), (60, &b.sheet.rest_shape.positions));
         assert!(b.texture.is_some() && b.notes[0].contains("5 vertices of"));
-        for strain in crate::strain::strain(&b.topology, &b.rest, &b.start) {
+        for strain in crate::strain::strain(&b.sheet.topology, &b.sheet.rest, &b.start) {
             assert!(strain.principal.iter().all(|p| p.abs() < 1e-12));
         }
         let colours = "v 0 0 0 0.5 1 0\nv 1 0 0 0.25 0 0\nv 0 1 0 1 0.125 0\nf 1 2 3\n";
@@ -408,13 +416,14 @@ mod tests {
         let inside = tetrahedron("inside", "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n");
         for built in [outside, inside] {
             let volume: f64 = built
+                .sheet
                 .topology
                 .faces
                 .iter()
                 .map(|f| built.start[f[0]].dot(&built.start[f[1]].cross(&built.start[f[2]])) / 6.0)
                 .sum();
             assert!((volume - 1.0 / 6.0).abs() < 1e-15, "{volume}");
-            assert_eq!(built.topology.faces, built.rest_faces);
+            assert_eq!(built.sheet.topology.faces, built.sheet.rest_shape.faces);
             assert_eq!(
                 (built.loads.pressure_pa, built.clamps.held().contains(&true)),
                 (5.0, false)

@@ -107,7 +107,9 @@ impl<'a> Grip<'a> {
                 for k in 0..edges {
                     let next = (k + 1) % rest.len();
                     let half = 0.5
-                        * (laid.rest_positions[rest[next]] - laid.rest_positions[rest[k]]).norm();
+                        * (laid.rest_shape.positions[rest[next]]
+                            - laid.rest_shape.positions[rest[k]])
+                            .norm();
                     shares[k] += half;
                     shares[next] += half;
                 }

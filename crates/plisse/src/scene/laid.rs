@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use super::schema::Scene;
-use crate::mesh::{Topology, Vec2, Vec3};
+use crate::mesh::{Chart, RestShape, Topology, Vec2, Vec3};
 use crate::{At, Error, Result};
 
 /// A part whose volume is less than this, relative to the cube of its size, has no inside.
@@ -21,17 +21,12 @@ pub struct BuiltPanel {
     pub rest_vertices: Range<usize>,
 }
 
-/// Points of a plane, and those of each face's corners (`[F][3]`).
-pub(super) type Chart = (Vec<Vec2>, Vec<[usize; 3]>);
-
 /// A surface at its start. V vertices, F faces, R rest vertices.
 pub(super) struct Laid {
     /// Connectivity.
     pub(super) topology: Topology,
-    /// `[R]` rest vertices (m).
-    pub(super) rest_positions: Vec<Vec3>,
-    /// `[F][3]` rest vertices of each face, corner by corner.
-    pub(super) rest_faces: Vec<[usize; 3]>,
+    /// The rest shape.
+    pub(super) rest_shape: RestShape,
     /// `[V]` start pose (m).
     pub(super) start: Vec<Vec3>,
     /// `[R]` vertex for each rest vertex of panels; empty for a mesh.
@@ -40,11 +35,10 @@ pub(super) struct Laid {
     pub(super) panels: Vec<BuiltPanel>,
     /// `[panels]` the sides of each.
     pub(super) sides: Vec<Vec<Side>>,
-    /// Panel coordinates (m) and those of each face's corners, where they are not those of the rest
-    /// vertices: if some panel is closed.
-    pub(super) chart: Option<Chart>,
-    /// Texture coordinates and those of each face's corners, if a file gave them or some panel is
+    /// Panel coordinates (m), where they are not those of the rest vertices: if some panel is
     /// closed.
+    pub(super) chart: Option<Chart>,
+    /// Texture coordinates, if a file gave them or some panel is closed.
     pub(super) texture: Option<Chart>,
     /// Names and values (`[V]`) of what a file says about each vertex.
     pub(super) attributes: Vec<(String, Vec<f64>)>,
@@ -64,8 +58,8 @@ impl Laid {
     /// `[3]` panel coordinates (m) of the corners of face `f`.
     pub(super) fn panel_corners(&self, f: usize) -> [Vec2; 3] {
         match &self.chart {
-            Some((points, faces)) => faces[f].map(|p| points[p]),
-            None => self.rest_faces[f].map(|r| self.rest_positions[r].xy()),
+            Some(chart) => chart.corners(f),
+            None => self.rest_shape.corners(f).map(|p| p.xy()),
         }
     }
 
@@ -147,7 +141,7 @@ impl Laid {
         };
         let f = self.topology.edge_faces[e][0];
         let k = (0..3).find(|&k| self.topology.face_edges[f][k] == e).unwrap_or(0);
-        let ends = [self.rest_faces[f][k], self.rest_faces[f][(k + 1) % 3]];
+        let ends = [self.rest_shape.faces[f][k], self.rest_shape.faces[f][(k + 1) % 3]];
         let runs_there = |side: &Side| {
             let next = side.rest_vertices.iter().cycle().skip(1);
             side.rest_vertices.iter().zip(next).any(|(&r, &s)| ends == [r, s] || ends == [s, r])
@@ -192,9 +186,9 @@ impl Laid {
         let mut faces = self.topology.faces.clone();
         for f in turned {
             faces[f].swap(1, 2);
-            self.rest_faces[f].swap(1, 2);
-            for (_, own) in self.texture.iter_mut().chain(&mut self.chart) {
-                own[f].swap(1, 2);
+            self.rest_shape.faces[f].swap(1, 2);
+            for chart in self.texture.iter_mut().chain(&mut self.chart) {
+                chart.faces[f].swap(1, 2);
             }
         }
         self.topology = Topology::new(self.topology.vertex_count, faces).at(place)?;

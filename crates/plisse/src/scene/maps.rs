@@ -7,6 +7,7 @@ use super::schema::{
     AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable, Scene,
 };
 use crate::growth::{DirectionField, Expansion, ProceduralMap};
+use crate::mesh::Chart;
 use crate::mesh::islands::side_by_side;
 use crate::mesh::{Mat2, Vec2, Vec3};
 use crate::{Error, Result};
@@ -111,11 +112,12 @@ fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
             format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display()),
         )
     })?;
-    let (coordinates, corners) = match &laid.texture {
-        Some((coordinates, corners)) => (coordinates.clone(), corners.clone()),
+    let chart = match &laid.texture {
+        Some(chart) => chart.clone(),
         None if !laid.panels.is_empty() => {
-            let flat: Vec<Vec2> = laid.rest_positions.iter().map(|p| p.xy()).collect();
-            (side_by_side(&flat, &laid.rest_faces), laid.rest_faces.clone())
+            let rest = &laid.rest_shape;
+            let flat: Vec<Vec2> = rest.positions.iter().map(|p| p.xy()).collect();
+            Chart { points: side_by_side(&flat, &rest.faces), faces: rest.faces.clone() }
         }
         None => {
             let message = "the mesh has no texture coordinates (vt), by which the image would lie \
@@ -123,10 +125,10 @@ fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
             return Err(Error::value(field, message));
         }
     };
-    let each = laid.topology.faces.iter().zip(&corners);
+    let each = laid.topology.faces.iter().zip(&chart.faces);
     Ok(mean_of_corners(
         laid,
-        each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&coordinates[uv[k]])))),
+        each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&chart.points[uv[k]])))),
     ))
 }
 

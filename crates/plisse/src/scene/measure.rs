@@ -52,16 +52,16 @@ pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec
 
 fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
     let amplitude_of = |f: usize| {
-        built.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).fold(0.0, f64::max)
+        built.sheet.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).fold(0.0, f64::max)
     };
-    let least =
-        VISIBLE * field.amplitude_m.iter().copied().fold(built.material.thickness_m, f64::max);
+    let least = VISIBLE
+        * field.amplitude_m.iter().copied().fold(built.sheet.material.thickness_m, f64::max);
     let turns = |piece: &Piece| {
         // Along a common edge both faces say the same, if both are wrinkled.
         let wrinkled: Vec<f64> = piece
             .iter()
             .filter(|(f, _)| !field.wrinkle_free[*f] && amplitude_of(*f) > least)
-            .map(|(f, along)| field.frequency(&built.topology, &built.rest, *f).dot(along).abs())
+            .map(|(f, along)| field.frequency(&built.sheet, *f).dot(along).abs())
             .collect();
         if wrinkled.is_empty() { 0.0 } else { wrinkled.iter().sum::<f64>() / wrinkled.len() as f64 }
     };
@@ -71,7 +71,7 @@ fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
 fn waves_around(built: &Built, field: &WrinkleField, chain: &[usize]) -> f64 {
     let turn = |pair: &[usize]| {
         let edge = [pair[0].min(pair[1]), pair[0].max(pair[1])];
-        let along = built.topology.edges.binary_search(&edge).map_or(0.0, |e| field.omega[e]);
+        let along = built.sheet.topology.edges.binary_search(&edge).map_or(0.0, |e| field.omega[e]);
         if pair[0] < pair[1] { along } else { -along }
     };
     (chain.windows(2).map(turn).sum::<f64>() / std::f64::consts::TAU).abs()
@@ -112,10 +112,10 @@ mod tests {
     fn plane_wave(built: &Built, k: Vec2) -> WrinkleField {
         let phase = |v: usize| k.x * built.start[v].x + k.y * built.start[v].y;
         WrinkleField {
-            amplitude_m: vec![1e-3; built.topology.vertex_count],
-            omega: built.topology.edges.iter().map(|&[i, j]| phase(j) - phase(i)).collect(),
-            phase: built.topology.faces.iter().map(|face| face.map(phase)).collect(),
-            wrinkle_free: vec![false; built.topology.face_count()],
+            amplitude_m: vec![1e-3; built.sheet.topology.vertex_count],
+            omega: built.sheet.topology.edges.iter().map(|&[i, j]| phase(j) - phase(i)).collect(),
+            phase: built.sheet.topology.faces.iter().map(|face| face.map(phase)).collect(),
+            wrinkle_free: vec![false; built.sheet.topology.face_count()],
         }
     }
 
@@ -166,14 +166,16 @@ mod tests {
         let any = balloon("front", [0.0, 0.0], [0.1, 0.0]);
         let mut tried = 0;
         for (e, &[i, j]) in any
+            .sheet
             .topology
             .edges
             .iter()
             .enumerate()
-            .filter(|(e, _)| any.topology.edge_faces[*e][1] < any.panels[0].faces.end)
+            .filter(|(e, _)| any.sheet.topology.edge_faces[*e][1] < any.panels[0].faces.end)
         {
             // Vertices of the first panel are their own rest vertices.
-            let (from, to) = (any.rest_positions[i].xy(), any.rest_positions[j].xy());
+            let (from, to) =
+                (any.sheet.rest_shape.positions[i].xy(), any.sheet.rest_shape.positions[j].xy());
             let built = balloon("front", from.into(), to.into());
             let Quantity::WavesAlong { pieces, .. } = &built.probes[0].quantity else {
                 panic!("not a line")
@@ -192,7 +194,8 @@ mod tests {
         // From far outside through the whole panel: a diameter's worth.
         let built = balloon("front", [-5.0, 0.0], [5.0, 0.0]);
         let found = waves(&built, &plane_wave(&built, k));
-        let expected = 5.0 * (any.rest_positions[0].x - any.rest_positions[14].x).abs()
+        let expected = 5.0
+            * (any.sheet.rest_shape.positions[0].x - any.sheet.rest_shape.positions[14].x).abs()
             / std::f64::consts::TAU;
         assert!((found - expected).abs() < 0.02 * expected, "{found} for {expected}");
     }
@@ -202,7 +205,7 @@ mod tests {
         let built = balloon("front", [-0.8, 0.1], [0.8, 0.1]);
         let mut field = plane_wave(&built, Vec2::new(20.0, 0.0));
         let all = waves(&built, &field);
-        for (f, face) in built.topology.faces.iter().enumerate() {
+        for (f, face) in built.sheet.topology.faces.iter().enumerate() {
             field.wrinkle_free[f] = face.iter().all(|&v| built.start[v].x < 0.1);
         }
         let part = waves(&built, &field);
@@ -232,7 +235,7 @@ mod tests {
             7.0 * (step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round())
         };
         let mut field = plane_wave(&built, Vec2::zeros());
-        field.omega = built.topology.edges.iter().map(|&[i, j]| turn(i, j)).collect();
+        field.omega = built.sheet.topology.edges.iter().map(|&[i, j]| turn(i, j)).collect();
         for reversed in [false, true] {
             if reversed {
                 chain.reverse();

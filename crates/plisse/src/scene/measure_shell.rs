@@ -19,7 +19,7 @@ const LEAST: f64 = 0.01;
 /// Those of the scene's measures that make sense for the shell pose `shell` (`[V]`, m) over the
 /// base surface `base` (`[V]`, m).
 pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measured> {
-    let normals = vertex_normals(&built.topology, base);
+    let normals = vertex_normals(&built.sheet.topology, base);
     let height: Vec<f64> = (0..base.len()).map(|v| (shell[v] - base[v]).dot(&normals[v])).collect();
     let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
@@ -31,7 +31,7 @@ pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measur
                 (0.5 * (high - low), "m")
             }
             Quantity::WavesAlong { crossings, .. } => {
-                let corners = |f: usize| built.topology.faces[f];
+                let corners = |f: usize| built.sheet.topology.faces[f];
                 let at = |(f, w): &Crossing| (0..3).map(|k| w[k] * height[corners(*f)[k]]).sum();
                 let place = |(f, w): &Crossing| (0..3).map(|k| base[corners(*f)[k]] * w[k]).sum();
                 (
@@ -78,7 +78,7 @@ fn waves(built: &Built, mut line: Vec<f64>, places: Vec<Vec3>) -> f64 {
     let (low, high) = line
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| (low.min(h), high.max(h)));
-    count_waves(&line, (VISIBLE * (high - low)).max(LEAST * built.material.thickness_m))
+    count_waves(&line, (VISIBLE * (high - low)).max(LEAST * built.sheet.material.thickness_m))
 }
 
 /// Half the number of ups and downs by at least `least` along `heights`.

@@ -9,6 +9,7 @@ use crate::mesh::grid::{Diagonal, grid};
 use crate::mesh::islands::side_by_side;
 use crate::mesh::panel::{Outline, Panel};
 use crate::mesh::sew::{Seam, Sewn, reversed, sew};
+use crate::mesh::{Chart, RestShape};
 use crate::{At, Error, Result};
 
 /// Largest distance between the two start positions of a sewn vertex, relative to the size of the
@@ -226,12 +227,13 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     let chart = closed::shape(scene, &panels, &mut rest_positions, &sewn.rest_faces)?;
     let laid = lay_panels(scene, &panels, &rest_positions)?;
     let start = start(scene, &panels, &seams, &sewn, &laid)?;
-    let texture =
-        chart.as_ref().map(|(points, faces)| (side_by_side(points, faces), faces.clone()));
+    let texture = chart.as_ref().map(|chart| Chart {
+        points: side_by_side(&chart.points, &chart.faces),
+        faces: chart.faces.clone(),
+    });
     Ok(Laid {
         topology: sewn.topology,
-        rest_positions,
-        rest_faces: sewn.rest_faces,
+        rest_shape: RestShape { positions: rest_positions, faces: sewn.rest_faces },
         start,
         vertex_of_rest: sewn.vertex_of_rest,
         panels,
@@ -408,7 +410,7 @@ mod tests {
                 .iter()
                 .all(|p| (p.x <= 1.0 && p.z == 0.0) || (p.x >= 1.5 && p.z == 0.25) || p.x == 1.25)
         );
-        assert!((b.rest.area_m2() - 1.0).abs() < 1e-12);
+        assert!((b.sheet.rest.area_m2() - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -470,17 +472,20 @@ mod tests {
             + &octagon("q")
             + "[[seam]]\na = \"p.rim\"\nb = \"q.rim\"\n[load]\npressure_pa = 1\n";
         let b = built(&two).unwrap();
-        assert_eq!(b.topology.vertex_count + b.topology.face_count(), b.topology.edge_count() + 2);
+        assert_eq!(
+            b.sheet.topology.vertex_count + b.sheet.topology.face_count(),
+            b.sheet.topology.edge_count() + 2
+        );
     }
 
     #[test]
     fn structured_panels_are_rectangles_only() {
         let b = built(&(panel("p", "mesh = \"falling\"\ncolumns = 4") + CLAMP)).unwrap();
         assert_eq!(
-            (b.topology.face_count(), b.clamps.held().iter().filter(|h| **h).count()),
+            (b.sheet.topology.face_count(), b.clamps.held().iter().filter(|h| **h).count()),
             (2 * 4 * 5, 6)
         );
-        assert!(b.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.25 * 0.1).abs() < 1e-15));
+        assert!(b.sheet.rest.faces.iter().all(|f| (f.area_m2 - 0.5 * 0.25 * 0.1).abs() < 1e-15));
         let refused = |more: &str| built(&(panel("p", more) + CLAMP)).unwrap_err().to_string();
         assert!(
             refused("rows = 3")

@@ -27,7 +27,7 @@ pub fn with_vertices(scene: &Scene, vertices: usize) -> Result<(Scene, Built)> {
         return Err(Error::value(format!("{}, mesh", scene.file.display()), message));
     }
     let distance =
-        |built: &Built| (built.topology.vertex_count as f64 / vertices as f64).ln().abs();
+        |built: &Built| (built.sheet.topology.vertex_count as f64 / vertices as f64).ln().abs();
     let mut built = build(scene)?;
     let mut best = (scene.clone(), distance(&built), None);
     let mut factor = 1.0;
@@ -35,7 +35,7 @@ pub fn with_vertices(scene: &Scene, vertices: usize) -> Result<(Scene, Built)> {
         if best.1 < CLOSE {
             break;
         }
-        factor *= (built.topology.vertex_count as f64 / vertices as f64).sqrt();
+        factor *= (built.sheet.topology.vertex_count as f64 / vertices as f64).sqrt();
         let scaled = with_edges_scaled(scene, factor);
         built = build(&scaled)?;
         if distance(&built) < best.1 {
@@ -68,9 +68,9 @@ fn with_edges_scaled(scene: &Scene, factor: f64) -> Scene {
 /// # Errors
 /// [`Error::Mesh`] if a face has no area; there is none if `built` comes from [`build`].
 pub fn refined(built: &Built) -> Result<Built> {
-    let coarse = &built.topology;
+    let coarse = &built.sheet.topology;
     let (start, faces) = refine_rest(&built.start, &coarse.faces);
-    let (rest_positions, rest_faces) = refine_rest(&built.rest_positions, &built.rest_faces);
+    let rest_shape = built.sheet.rest_shape.refined();
     let target = |t: &[Option<f64>; 3]| Vec3::from(t.map(|c| c.unwrap_or(0.0)));
     let is_held = |t: &[Option<f64>; 3]| Vec3::from(t.map(|c| if c.is_some() { 1.0 } else { 0.0 }));
     let targets: Vec<Vec3> =
@@ -81,24 +81,24 @@ pub fn refined(built: &Built) -> Result<Built> {
         [0, 1, 2].map(|axis| (held[axis] == 1.0).then_some(target[axis]))
     };
     let mut fine = built.clone();
-    fine.rest = RestMetric::from_shape(&rest_positions, &rest_faces).at(&built.title)?;
-    fine.topology = Topology::new(start.len(), faces).at(&built.title)?;
+    fine.sheet.rest =
+        RestMetric::from_shape(&rest_shape.positions, &rest_shape.faces).at(&built.title)?;
+    fine.sheet.topology = Topology::new(start.len(), faces).at(&built.title)?;
     fine.clamps = Clamps { targets: targets.iter().zip(&held).map(clamp).collect() };
     fine.probes.retain(|probe| {
         matches!(probe.quantity, Quantity::LargestPeriod | Quantity::PeakAmplitude)
     });
-    fine.texture =
-        built.texture.as_ref().map(|(coordinates, corners)| refine_rest(coordinates, corners));
+    fine.texture = built.texture.as_ref().map(|chart| chart.refined(1));
     for panel in &mut fine.panels {
         panel.faces = 4 * panel.faces.start..4 * panel.faces.end;
         // New rest vertices come after all the old ones, so only one panel's are together.
         panel.rest_vertices = if built.panels.len() == 1 {
-            0..rest_positions.len()
+            0..rest_shape.positions.len()
         } else {
             panel.rest_vertices.clone()
         };
     }
-    (fine.start, fine.rest_positions, fine.rest_faces) = (start, rest_positions, rest_faces);
+    (fine.start, fine.sheet.rest_shape) = (start, rest_shape);
     Ok(fine)
 }
 
@@ -121,7 +121,7 @@ mod tests {
         let scene = parse("balloon.toml", text).unwrap();
         for vertices in [300, 1000, 5000] {
             let (scaled, built) = with_vertices(&scene, vertices).unwrap();
-            let count = built.topology.vertex_count as f64;
+            let count = built.sheet.topology.vertex_count as f64;
             assert!((count / vertices as f64 - 1.0).abs() < 0.05, "{count} for {vertices}");
             assert_eq!(scaled.panel[0].edge_length_m, scaled.panel[1].edge_length_m);
             assert_eq!(build(&scaled).unwrap().start, built.start);
@@ -142,8 +142,8 @@ mod tests {
         );
         let coarse = build(&parse("sheet.toml", text).unwrap()).unwrap();
         let fine = refined(&coarse).unwrap();
-        assert_eq!(fine.topology.face_count(), 4 * coarse.topology.face_count());
-        assert!((fine.rest.area_m2() - 0.5).abs() < 1e-12);
+        assert_eq!(fine.sheet.topology.face_count(), 4 * coarse.sheet.topology.face_count());
+        assert!((fine.sheet.rest.area_m2() - 0.5).abs() < 1e-12);
         let count = |built: &Built| built.clamps.held().iter().filter(|held| **held).count();
         assert_eq!(count(&fine), 2 * count(&coarse) - 1);
         for (start, target) in fine.start.iter().zip(&fine.clamps.targets) {
@@ -153,7 +153,7 @@ mod tests {
         }
         assert_eq!(
             (fine.probes.len(), fine.panels[0].faces.clone()),
-            (1, 0..fine.topology.face_count())
+            (1, 0..fine.sheet.topology.face_count())
         );
     }
 }

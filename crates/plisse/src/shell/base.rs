@@ -78,8 +78,11 @@ pub fn solve_base(
     let begun = Instant::now();
     setup.check()?;
     let (begin, resolved_faces) = prepare(setup, start)?;
-    let bending =
-        Bending::Quadratic(QuadraticBending::new(setup.topology, setup.rest, setup.material));
+    let bending = Bending::Quadratic(QuadraticBending::new(
+        &setup.sheet.topology,
+        &setup.sheet.rest,
+        &setup.sheet.material,
+    ));
     let effort = Effort {
         stage: "base",
         iteration_limit: options.iteration_limit,
@@ -89,15 +92,16 @@ pub fn solve_base(
     let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
     let pose = settled.pose;
     let mut states = [0; 3];
-    for (rest, face) in setup.rest.faces.iter().zip(&setup.topology.faces) {
-        let membrane = Membrane::new(rest, setup.material, options.compressive_stiffness);
+    for (rest, face) in setup.sheet.rest.faces.iter().zip(&setup.sheet.topology.faces) {
+        let membrane = Membrane::new(rest, &setup.sheet.material, options.compressive_stiffness);
         states[match membrane.state(&face.map(|v| pose[v])) {
             FaceState::Slack => 0,
             FaceState::Mixed => 1,
             FaceState::Taut => 2,
         }] += 1;
     }
-    let (collapsed_faces, inverted_faces) = defects(setup.topology, setup.rest, &pose);
+    let (collapsed_faces, inverted_faces) =
+        defects(&setup.sheet.topology, &setup.sheet.rest, &pose);
     let report = BaseReport {
         iterations: settled.iterations,
         ending: settled.ending,
@@ -147,7 +151,7 @@ pub(super) fn settle(
 ) -> Result<Settled> {
     let mut held = setup.clamps.clone();
     if setup.floats() {
-        pin_rigid_motions(setup.topology, begin, &mut held);
+        pin_rigid_motions(&setup.sheet.topology, begin, &mut held);
     }
     let mut problem = Equilibrium::new(setup, &held, begin, compressive_stiffness, bending);
     let unit_joule = problem.unit_joule();

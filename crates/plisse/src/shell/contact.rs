@@ -44,9 +44,9 @@ impl<'a> Barrier<'a> {
         if setup.obstacles.is_empty() {
             return None;
         }
-        let material = setup.material;
-        let weight: f64 =
-            setup.dead_forces_newton().iter().map(Vec3::norm).sum::<f64>() / setup.rest.area_m2();
+        let material = &setup.sheet.material;
+        let weight: f64 = setup.dead_forces_newton().iter().map(Vec3::norm).sum::<f64>()
+            / setup.sheet.rest.area_m2();
         let stiffness = material.young_pa * material.thickness_m / setup.length_m();
         let pressure_pa = 10.0 * weight
             + setup.loads.pressure_pa.abs()

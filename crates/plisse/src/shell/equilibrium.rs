@@ -138,7 +138,7 @@ impl<'a> Equilibrium<'a> {
         compressive_stiffness: f64,
         bending: Bending,
     ) -> Self {
-        let topology = setup.topology;
+        let topology = &setup.sheet.topology;
         let (unknown, size) = held.free_coordinates();
         let mut faces = Elements::new(topology.faces.iter().map(|face| face.to_vec()), &unknown);
         let hinge_vertices: Vec<Vec<usize>> = match &bending {
@@ -157,7 +157,8 @@ impl<'a> Equilibrium<'a> {
         faces.find_slots(&pattern);
         hinges.find_slots(&pattern);
         let length_m = setup.length_m();
-        let unit_joule = setup.material.young_pa * setup.material.thickness_m * length_m * length_m;
+        let unit_joule =
+            setup.sheet.material.young_pa * setup.sheet.material.thickness_m * length_m * length_m;
         let batch = BUFFER.min(topology.face_count());
         let buffer = Buffer {
             faces: vec![FaceHessian::zeros(); batch],
@@ -169,10 +170,11 @@ impl<'a> Equilibrium<'a> {
         let mut problem = Self {
             setup,
             membranes: setup
+                .sheet
                 .rest
                 .faces
                 .iter()
-                .map(|r| Membrane::new(r, setup.material, compressive_stiffness))
+                .map(|r| Membrane::new(r, &setup.sheet.material, compressive_stiffness))
                 .collect(),
             dead_newton: setup.dead_forces_newton(),
             barrier: Barrier::new(setup),
@@ -258,12 +260,12 @@ impl<'a> Equilibrium<'a> {
 
     /// Corners of face `f` relative to a fixed point, for the volume.
     fn corners_about(&self, f: usize) -> [Vec3; 3] {
-        self.setup.topology.faces[f].map(|v| self.pose[v] - self.origin[0])
+        self.setup.sheet.topology.faces[f].map(|v| self.pose[v] - self.origin[0])
     }
 
     fn face_energy(&self, f: usize) -> f64 {
         let mut energy =
-            self.membranes[f].energy(&self.setup.topology.faces[f].map(|v| self.pose[v]));
+            self.membranes[f].energy(&self.setup.sheet.topology.faces[f].map(|v| self.pose[v]));
         if let Bending::MidEdge(bending) = &self.bending {
             energy += bending.energy(f, &self.pose);
         }
@@ -288,12 +290,12 @@ impl<'a> Equilibrium<'a> {
     }
 
     fn energy_here(&self) -> f64 {
-        let faces = ordered_sum(self.setup.topology.face_count(), |f| self.face_energy(f));
+        let faces = ordered_sum(self.setup.sheet.topology.face_count(), |f| self.face_energy(f));
         (faces + ordered_sum(self.pose.len(), |v| self.vertex_energy(v))) / self.unit_joule
     }
 
     fn batches(&self) -> impl Iterator<Item = Range<usize>> + use<> {
-        let n = self.setup.topology.face_count();
+        let n = self.setup.sheet.topology.face_count();
         (0..n).step_by(BUFFER).map(move |first| first..n.min(first + BUFFER))
     }
 
@@ -306,7 +308,7 @@ impl<'a> Equilibrium<'a> {
         let pressure_pa = self.setup.loads.pressure_pa;
         buffer.faces.par_iter_mut().with_min_len(CHUNK).zip(batch.clone()).for_each(|(out, f)| {
             *out = self.membranes[f]
-                .derivatives(&self.setup.topology.faces[f].map(|v| self.pose[v]), projection)
+                .derivatives(&self.setup.sheet.topology.faces[f].map(|v| self.pose[v]), projection)
                 .2;
             // The volume's Hessian is indefinite: it has no place in a convex one.
             if pressure_pa != 0.0 && projection == PsdProjection::None {
@@ -375,7 +377,7 @@ impl Problem for Equilibrium<'_> {
                 .with_min_len(CHUNK)
                 .map(|f| {
                     let mut slope = self.membranes[f]
-                        .gradient(&self.setup.topology.faces[f].map(|v| self.pose[v]));
+                        .gradient(&self.setup.sheet.topology.faces[f].map(|v| self.pose[v]));
                     if pressure_pa != 0.0 {
                         slope -= pressure::gradient(&self.corners_about(f)) * pressure_pa;
                     }
@@ -484,10 +486,9 @@ mod tests {
     use super::*;
     use crate::linalg::derivative_check::check_problem;
     use crate::material::Material;
-    use crate::mesh::Topology;
     use crate::obstacle::Obstacle;
     use crate::random::Random;
-    use crate::rest::RestMetric;
+    use crate::sheet::Sheet;
 
     /// A tetrahedron, where the neighbours of a face share their far corner, and an octahedron.
     fn closed_surfaces() -> [(Vec<Vec3>, Vec<[usize; 3]>); 2] {
@@ -513,10 +514,9 @@ mod tests {
     #[test]
     fn derivatives_of_everything_together_agree_with_differences() {
         for (shape, faces) in closed_surfaces() {
-            let topology = Topology::new(shape.len(), faces).unwrap();
-            let rest = RestMetric::from_shape(&shape, &topology.faces).unwrap();
             // Thick, so that bending is not lost beside the membrane.
             let material = Material::new(50.0, 0.3, 0.3).unwrap();
+            let sheet = Sheet::from_rest(shape.clone(), faces, material).unwrap();
             let mut random = Random(7);
             let mut number = || 2.0 * random.unit() - 1.0;
             let pose: Vec<Vec3> = shape
@@ -542,15 +542,25 @@ mod tests {
                 },
                 obstacles: &obstacles,
                 contact_thickness_m: 0.5,
-                ..Setup::new(&topology, &rest, &material, &clamps)
+                ..Setup::new(&sheet, &clamps)
             };
             assert!(
                 obstacles.iter().all(|o| (0.0..0.5).contains(&o.distance_m(&pose[2]))),
                 "both touch vertex 2"
             );
             for (stiffness, bending) in [
-                (0.1, Bending::Quadratic(QuadraticBending::new(&topology, &rest, &material))),
-                (1.0, Bending::MidEdge(MidEdgeBending::new(&topology, &rest, &material))),
+                (
+                    0.1,
+                    Bending::Quadratic(QuadraticBending::new(
+                        &sheet.topology,
+                        &sheet.rest,
+                        &material,
+                    )),
+                ),
+                (
+                    1.0,
+                    Bending::MidEdge(MidEdgeBending::new(&sheet.topology, &sheet.rest, &material)),
+                ),
             ] {
                 let mut problem = Equilibrium::new(&setup, &clamps, &pose, stiffness, bending);
                 let x = problem.pack(&pose);

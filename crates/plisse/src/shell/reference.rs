@@ -81,7 +81,11 @@ pub fn solve_reference(
     setup.check()?;
     let disturbed = disturb(setup, start, options);
     let (begin, resolved_faces) = prepare(setup, &disturbed)?;
-    let bending = Bending::MidEdge(MidEdgeBending::new(setup.topology, setup.rest, setup.material));
+    let bending = Bending::MidEdge(MidEdgeBending::new(
+        &setup.sheet.topology,
+        &setup.sheet.rest,
+        &setup.sheet.material,
+    ));
     let effort = Effort {
         stage: "shell",
         iteration_limit: options.iteration_limit,
@@ -104,7 +108,7 @@ pub fn solve_reference(
 /// `start` with every vertex moved along its normal by a seeded random length.
 fn disturb(setup: &Setup<'_>, start: &[Vec3], options: &ReferenceOptions) -> Vec<Vec3> {
     let mut normals = vec![Vec3::zeros(); start.len()];
-    for face in &setup.topology.faces {
+    for face in &setup.sheet.topology.faces {
         let [a, b, c] = face.map(|v| start[v]);
         for &v in face {
             normals[v] += (b - a).cross(&(c - a));

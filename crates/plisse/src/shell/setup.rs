@@ -3,10 +3,9 @@
 use super::loads::Loads;
 use crate::Result;
 use crate::error::SetupError;
-use crate::material::Material;
-use crate::mesh::{NONE, Topology, Vec3};
+use crate::mesh::{NONE, Vec3};
 use crate::obstacle::Obstacle;
-use crate::rest::RestMetric;
+use crate::sheet::Sheet;
 
 /// What holds the surface: for each vertex and axis a target position (m), or nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,12 +49,8 @@ impl Clamps {
 /// A thin sheet, what holds it, what pushes it, and what it may not enter.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
-    /// Connectivity.
-    pub topology: &'a Topology,
-    /// `[F]` rest metric.
-    pub rest: &'a RestMetric,
-    /// The sheet's material.
-    pub material: &'a Material,
+    /// The sheet.
+    pub sheet: &'a Sheet,
     /// What is held, and where.
     pub clamps: &'a Clamps,
     /// What pushes.
@@ -71,16 +66,9 @@ pub struct Setup<'a> {
 
 impl<'a> Setup<'a> {
     /// A sheet that is only held: no loads, no obstacles.
-    pub fn new(
-        topology: &'a Topology,
-        rest: &'a RestMetric,
-        material: &'a Material,
-        clamps: &'a Clamps,
-    ) -> Self {
+    pub fn new(sheet: &'a Sheet, clamps: &'a Clamps) -> Self {
         Self {
-            topology,
-            rest,
-            material,
+            sheet,
             clamps,
             loads: Loads::default(),
             obstacles: &[],
@@ -91,13 +79,13 @@ impl<'a> Setup<'a> {
 
     /// Size of the sheet (m): side of a square of its rest area.
     pub fn length_m(&self) -> f64 {
-        self.rest.area_m2().sqrt()
+        self.sheet.rest.area_m2().sqrt()
     }
 
     /// `[V]` rest area (m²) that belongs to each vertex: a third of its faces'.
     pub fn vertex_area_m2(&self) -> Vec<f64> {
-        let mut area = vec![0.0; self.topology.vertex_count];
-        for (face, rest) in self.topology.faces.iter().zip(&self.rest.faces) {
+        let mut area = vec![0.0; self.sheet.topology.vertex_count];
+        for (face, rest) in self.sheet.topology.faces.iter().zip(&self.sheet.rest.faces) {
             for &v in face {
                 area[v] += rest.area_m2 / 3.0;
             }
@@ -108,7 +96,7 @@ impl<'a> Setup<'a> {
     /// `[V]` forces (N) that do not depend on the pose: weight and point forces.
     pub fn dead_forces_newton(&self) -> Vec<Vec3> {
         let weight =
-            self.loads.gravity_m_s2 * (self.loads.density_kg_m3 * self.material.thickness_m);
+            self.loads.gravity_m_s2 * (self.loads.density_kg_m3 * self.sheet.material.thickness_m);
         let mut forces: Vec<Vec3> =
             self.vertex_area_m2().into_iter().map(|area| weight * area).collect();
         for &(v, force) in &self.loads.forces_newton {
@@ -130,12 +118,16 @@ impl<'a> Setup<'a> {
     /// [`SetupError`] if the sheet is not thin, pressure acts on an open surface, or nothing holds it
     /// against drifting away.
     pub(super) fn check(&self) -> Result<()> {
-        self.material.check_thin(self.rest.area_m2())?;
+        self.sheet.material.check_thin(self.sheet.rest.area_m2())?;
         if self.loads.pressure_pa != 0.0
-            && let Some(edge) =
-                self.topology.edge_faces.iter().position(|faces| faces[1] == crate::adjacency::NONE)
+            && let Some(edge) = self
+                .sheet
+                .topology
+                .edge_faces
+                .iter()
+                .position(|faces| faces[1] == crate::adjacency::NONE)
         {
-            let edge = self.topology.edges[edge];
+            let edge = self.sheet.topology.edges[edge];
             return Err(SetupError::OpenUnderPressure { edge }.into());
         }
         let net: Vec3 = self.dead_forces_newton().iter().sum();

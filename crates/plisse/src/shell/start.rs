@@ -25,12 +25,12 @@ const ROUNDS: usize = 100;
 /// [`Error::Mesh`] naming obstacle and faces if a held vertex is inside one, its clamp takes it through one, or free ones are so deep
 /// inside (deeper than the mean edge is long) that nobody knows on which side they belong.
 pub(super) fn prepare(setup: &Setup<'_>, start: &[Vec3]) -> Result<(Vec<Vec3>, Vec<usize>)> {
-    let mut pose = meet_clamps(setup.topology, start, setup.clamps)?;
+    let mut pose = meet_clamps(&setup.sheet.topology, start, setup.clamps)?;
     stay_outside(setup, start, &mut pose)?;
     if setup.loads.pressure_pa != 0.0 {
-        let least = FLAT * setup.rest.area_m2().powf(1.5);
-        if volume_m3(setup.topology, &pose).abs() < least {
-            bulge(setup.topology, &mut pose)?;
+        let least = FLAT * setup.sheet.rest.area_m2().powf(1.5);
+        if volume_m3(&setup.sheet.topology, &pose).abs() < least {
+            bulge(&setup.sheet.topology, &mut pose)?;
         }
     }
     let resolved = push_out(setup, &mut pose)?;
@@ -123,9 +123,9 @@ fn bulge(topology: &Topology, pose: &mut [Vec3]) -> Result<()> {
 /// Brings free vertices out of obstacles, to half the contact thickness; tells which faces that
 /// were.
 fn push_out(setup: &Setup<'_>, pose: &mut [Vec3]) -> Result<Vec<usize>> {
-    let topology = setup.topology;
+    let topology = &setup.sheet.topology;
     let clear = CLEAR * setup.contact_thickness_m;
-    let edge = (2.0 * setup.rest.area_m2() / topology.edge_count() as f64).sqrt();
+    let edge = (2.0 * setup.sheet.rest.area_m2() / topology.edge_count() as f64).sqrt();
     let faces_of = |v: usize| -> Vec<usize> {
         (0..topology.face_count()).filter(|&f| topology.faces[f].contains(&v)).collect()
     };
@@ -187,8 +187,8 @@ fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<
                 && obstacle.distance_m(&pose[v]) > 0.0
                 && part_before(obstacle, &start[v], &(pose[v] - start[v]), clear).is_some()
             {
-                let faces: Vec<usize> = (0..setup.topology.face_count())
-                    .filter(|&f| setup.topology.faces[f].contains(&v))
+                let faces: Vec<usize> = (0..setup.sheet.topology.face_count())
+                    .filter(|&f| setup.sheet.topology.faces[f].contains(&v))
                     .collect();
                 let obstacle = obstacle.name.clone();
                 let problem = MeshError::ClampThroughObstacle { faces, vertex: v, obstacle };

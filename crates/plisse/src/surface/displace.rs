@@ -19,9 +19,17 @@ use crate::rest::RestFace;
 pub struct Displacement<'a> {
     /// The second in-plane correction, a²/8 sin 2φ ∇φ.
     pub v2: bool,
-    /// The first in-plane correction, if wanted: the second fundamental form (1/m) of each coarse
-    /// face, and the material.
-    pub v1: Option<(&'a [Mat3], &'a Material)>,
+    /// The first in-plane correction, if wanted.
+    pub v1: Option<FirstCorrection<'a>>,
+}
+
+/// Input of the first in-plane correction, a sin φ v.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FirstCorrection<'a> {
+    /// `[F]` second fundamental form (1/m) of each coarse face.
+    pub second_forms: &'a [Mat3],
+    /// The material.
+    pub material: &'a Material,
 }
 
 /// Steepest waves, a·|∇φ| (no unit), for which v₂ is taken in full. Steeper ones, on nearly
@@ -85,7 +93,7 @@ fn slow(surface: &Upsampled, how: &Displacement<'_>, f: usize) -> Slow {
     if surface.wrinkle_free[f] {
         return Slow::default();
     }
-    let rest = RestFace::from_corners(surface.rest_faces[f].map(|v| surface.rest_positions[v]));
+    let rest = RestFace::from_corners(surface.rest_shape.corners(f));
     let base = rest.deformation(surface.topology.faces[f].map(|v| surface.base[v]));
     let [p0, p1, p2] = surface.phase[f];
     let frequency = rest.one_form(p1 - p0, p2 - p0);
@@ -94,9 +102,9 @@ fn slow(surface: &Upsampled, how: &Displacement<'_>, f: usize) -> Slow {
         return Slow::default();
     };
     let v1 = match how.v1 {
-        Some((forms, material)) => {
+        Some(FirstCorrection { second_forms, material }) => {
             let share = 4_usize.pow(surface.levels as u32);
-            raise * first_correction(&base, &forms[f / share], &frequency, material)
+            raise * first_correction(&base, &second_forms[f / share], &frequency, material)
         }
         None => Vec3::zeros(),
     };
@@ -131,7 +139,7 @@ fn first_correction(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
+    use crate::mesh::{RestShape, Topology};
     use std::f64::consts::TAU;
 
     #[test]
@@ -176,8 +184,7 @@ mod tests {
             topology,
             base,
             phase,
-            rest_positions,
-            rest_faces: faces,
+            rest_shape: RestShape { positions: rest_positions, faces },
         }
     }
 
@@ -223,16 +230,14 @@ mod tests {
             .faces
             .iter()
             .map(|f| {
-                let angle = (surface.rest_positions[f[0]].x + 0.5 / n as f64) / r;
+                let angle = (surface.rest_shape.positions[f[0]].x + 0.5 / n as f64) / r;
                 let tangent = Vec3::new(-angle.sin(), angle.cos(), 0.0);
                 tangent * tangent.transpose() * (-1.0 / r)
             })
             .collect();
         let plain = length(&displace(&surface, &Displacement { v2: true, v1: None }), n);
-        let full = length(
-            &displace(&surface, &Displacement { v2: true, v1: Some((&forms, &material)) }),
-            n,
-        );
+        let v1 = Some(FirstCorrection { second_forms: &forms, material: &material });
+        let full = length(&displace(&surface, &Displacement { v2: true, v1 }), n);
         assert!(full.1 < 0.02 * plain.1, "{full:?} {plain:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! How often a base surface is subdivided so that its wrinkles show.
 
 use crate::mesh::Topology;
-use crate::rest::RestMetric;
+use crate::sheet::Sheet;
 
 /// Most subdivisions of a wrinkled surface.
 pub const MOST_LEVELS: usize = 8;
@@ -14,11 +14,8 @@ const SUGGESTED_FACES: usize = 1_500_000;
 
 /// Levels after which the median wavelength spans at least eight fine edges, as far as 1.5 million
 /// faces allow; at least 2, but no more than make [`MOST_FACES`].
-pub fn suggest_levels(
-    topology: &Topology,
-    rest: &RestMetric,
-    median_wavelength_m: Option<f64>,
-) -> usize {
+pub fn suggest_levels(sheet: &Sheet, median_wavelength_m: Option<f64>) -> usize {
+    let Sheet { topology, rest, .. } = sheet;
     let edge = (rest.area_m2() / topology.face_count() as f64 * 4.0 / 3.0_f64.sqrt()).sqrt();
     let mut levels = 2;
     while topology.face_count() * 4_usize.pow(levels as u32 + 1) <= SUGGESTED_FACES
@@ -40,6 +37,7 @@ pub fn levels_within(topology: &Topology, most_faces: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Material;
     use crate::mesh::Vec3;
     use crate::mesh::grid::{Diagonal, grid};
 
@@ -48,13 +46,13 @@ mod tests {
         let panel = grid([1.0, 1.0], 0.25, [None, None], Diagonal::Rising).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        let topology = Topology::new(positions.len(), panel.faces.clone()).unwrap();
-        let rest = RestMetric::from_shape(&positions, &panel.faces).unwrap();
-        let levels = |wavelength| suggest_levels(&topology, &rest, wavelength);
+        let material = Material::new(1e6, 0.3, 1e-4).unwrap();
+        let sheet = Sheet::from_rest(positions, panel.faces, material).unwrap();
+        let levels = |wavelength| suggest_levels(&sheet, wavelength);
         assert_eq!((levels(None), levels(Some(4.0))), (2, 2));
         assert_eq!((levels(Some(0.2)), levels(Some(0.1)), levels(Some(1e-9))), (4, 5, 7));
         assert_eq!(
-            [31, 32, 128, usize::MAX].map(|most| levels_within(&topology, most)),
+            [31, 32, 128, usize::MAX].map(|most| levels_within(&sheet.topology, most)),
             [0, 0, 1, MOST_LEVELS]
         );
     }

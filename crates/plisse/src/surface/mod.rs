@@ -7,7 +7,7 @@ pub mod keep_out;
 pub mod levels;
 pub mod upsample;
 
-pub use displace::{Displacement, displace};
+pub use displace::{Displacement, FirstCorrection, displace};
 pub use keep_out::keep_out;
 pub use levels::{MOST_FACES, MOST_LEVELS, levels_within, suggest_levels};
 pub use upsample::{Upsampled, upsample};

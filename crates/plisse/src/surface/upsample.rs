@@ -12,8 +12,9 @@ use rayon::prelude::*;
 
 use crate::field::WrinkleField;
 use crate::mesh::masks::Masks;
-use crate::mesh::subdivide::{Subdivision, halve_creases, refine_rest};
-use crate::mesh::{NONE, Topology, Vec3};
+use crate::mesh::subdivide::{Subdivision, halve_creases};
+use crate::mesh::{NONE, RestShape, Topology, Vec3};
+use crate::sheet::Sheet;
 
 /// A subdivided base surface with its wrinkle field.
 #[derive(Clone, Debug)]
@@ -30,32 +31,23 @@ pub struct Upsampled {
     pub phase: Vec<[f64; 3]>,
     /// `[F]` whether the face is part of a wrinkle-free one.
     pub wrinkle_free: Vec<bool>,
-    /// Rest positions (m), subdivided linearly, so that those of flat panels stay in them.
-    pub rest_positions: Vec<Vec3>,
-    /// `[F][3]` rest corners of each face.
-    pub rest_faces: Vec<[usize; 3]>,
+    /// The rest shape, subdivided linearly, so that flat panels stay flat.
+    pub rest_shape: RestShape,
 }
 
 /// Boundary vertices whose rest angle differs from a straight line by more than this (rad) are
 /// corners and stay in place.
 const CORNER_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
 
-/// Subdivides `levels` times a base surface (`positions`, `[V]`, m), the `field` on it, and its
-/// rest shape.
-pub fn upsample(
-    topology: &Topology,
-    positions: &[Vec3],
-    field: &WrinkleField,
-    rest_positions: &[Vec3],
-    rest_faces: &[[usize; 3]],
-    levels: usize,
-) -> Upsampled {
-    let corners = boundary_corners(topology, rest_positions, rest_faces);
+/// Subdivides a pose of `sheet` (`[V]`, m) `levels` times, with the `field` on it.
+pub fn upsample(sheet: &Sheet, pose: &[Vec3], field: &WrinkleField, levels: usize) -> Upsampled {
+    let topology = &sheet.topology;
+    let corners = boundary_corners(topology, &sheet.rest_shape);
     let mut fine = topology.clone();
-    let mut base = positions.to_vec();
+    let mut base = pose.to_vec();
     let mut amplitude_m = field.amplitude_m.clone();
-    let mut chart = Chart::new(topology, field);
-    let mut rest = (rest_positions.to_vec(), rest_faces.to_vec());
+    let mut turning = TurningPhase::new(topology, field);
+    let mut rest_shape = sheet.rest_shape.clone();
     let mut border: Vec<bool> = (0..topology.edge_count())
         .map(|e| {
             let [f, g] = topology.edge_faces[e];
@@ -66,45 +58,33 @@ pub fn upsample(
         let step = Subdivision::new(&fine);
         let creased = border.iter().any(|&b| b);
         let ((next, rest_next), (smooth, wrinkled)) = rayon::join(
-            || (step.fine(), refine_rest(&rest.0, &rest.1)),
+            || (step.fine(), rest_shape.refined()),
             || (step.masks(&[], &corners), creased.then(|| step.masks(&border, &corners))),
         );
         let wrinkled = wrinkled.as_ref().unwrap_or(&smooth);
         base = smooth.apply(&base);
         amplitude_m = wrinkled.apply(&amplitude_m);
-        chart = chart.refined(&fine, wrinkled, &next);
+        turning = turning.refined(&fine, wrinkled, &next);
         if creased {
             border = halve_creases(&next, fine.vertex_count, &border);
         }
-        rest = rest_next;
+        rest_shape = rest_next;
         fine = next;
     }
     let share = 4_usize.pow(levels as u32);
     let wrinkle_free: Vec<bool> =
         (0..fine.face_count()).map(|f| field.wrinkle_free[f / share]).collect();
-    let phase = chart.corners(&fine, &wrinkle_free);
-    Upsampled {
-        topology: fine,
-        levels,
-        base,
-        amplitude_m,
-        phase,
-        wrinkle_free,
-        rest_positions: rest.0,
-        rest_faces: rest.1,
-    }
+    let phase = turning.corners(&fine, &wrinkle_free);
+    Upsampled { topology: fine, levels, base, amplitude_m, phase, wrinkle_free, rest_shape }
 }
 
 /// `[V]` boundary vertices at which the rest boundary turns sharply.
-fn boundary_corners(
-    topology: &Topology,
-    rest_positions: &[Vec3],
-    rest_faces: &[[usize; 3]],
-) -> Vec<bool> {
+fn boundary_corners(topology: &Topology, rest: &RestShape) -> Vec<bool> {
     let mut angle = vec![0.0; topology.vertex_count];
-    for (face, rest_face) in topology.faces.iter().zip(rest_faces) {
+    for (f, face) in topology.faces.iter().enumerate() {
+        let corners = rest.corners(f);
         for k in 0..3 {
-            let [p, q, r] = [0, 1, 2].map(|n| rest_positions[rest_face[(k + n) % 3]]);
+            let [p, q, r] = [0, 1, 2].map(|n| corners[(k + n) % 3]);
             angle[face[k]] += (q - p).angle(&(r - p));
         }
     }
@@ -115,7 +95,7 @@ fn boundary_corners(
 }
 
 /// A phase known up to whole turns.
-struct Chart {
+struct TurningPhase {
     /// `[V]` phase (rad).
     phase: Vec<f64>,
     /// `[E]` turns to add to the higher vertex's phase so that the difference to the lower one's is
@@ -123,7 +103,7 @@ struct Chart {
     turns: Vec<i64>,
 }
 
-impl Chart {
+impl TurningPhase {
     fn new(topology: &Topology, field: &WrinkleField) -> Self {
         let mut phase = vec![0.0; topology.vertex_count];
         let mut seen = vec![false; topology.vertex_count];
@@ -213,14 +193,11 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::material::Material;
 
     /// A ring of `n` squares around a cylinder, `m` high, with a phase of `waves` turns around it
     /// and jumps put at odd places.
-    fn ring(
-        n: usize,
-        m: usize,
-        waves: f64,
-    ) -> (Topology, Vec<Vec3>, WrinkleField, Vec<Vec3>, Vec<[usize; 3]>) {
+    fn ring(n: usize, m: usize, waves: f64) -> (Sheet, Vec<Vec3>, WrinkleField) {
         let at = |i: usize, j: usize| j * n + i % n;
         let rest_at = |i: usize, j: usize| j * (n + 1) + i;
         let (mut faces, mut rest_faces, mut phase) = (Vec::new(), Vec::new(), Vec::new());
@@ -243,49 +220,52 @@ mod tests {
         let rest_positions = (0..(m + 1) * (n + 1))
             .map(|v| Vec3::new(angle(v % (n + 1)), (v / (n + 1)) as f64 * 0.3, 0.0))
             .collect();
-        let topology = Topology::new((m + 1) * n, faces).unwrap();
+        let rest_shape = RestShape { positions: rest_positions, faces: rest_faces };
+        let sheet = Sheet::sewn(faces, rest_shape, Material::new(1e6, 0.3, 1e-4).unwrap()).unwrap();
+        let topology = &sheet.topology;
         let field = WrinkleField {
             amplitude_m: vec![0.1; topology.vertex_count],
             omega: vec![0.0; topology.edge_count()],
             phase,
             wrinkle_free: vec![false; topology.face_count()],
         };
-        (topology, positions, field, rest_positions, rest_faces)
+        (sheet, positions, field)
     }
 
     #[test]
     fn a_phase_that_winds_evenly_keeps_winding_evenly() {
         let n = 10;
-        let (topology, positions, field, rest, rest_faces) = ring(n, 4, 7.0);
-        let fine = upsample(&topology, &positions, &field, &rest, &rest_faces, 3);
+        let (sheet, positions, field) = ring(n, 4, 7.0);
+        let fine = upsample(&sheet, &positions, &field, 3);
         // Along the ring the phase is linear in the rest coordinate, at every corner, up to whole
         // turns.
-        for (f, face) in fine.rest_faces.iter().enumerate() {
+        for f in 0..fine.topology.face_count() {
+            let corners = fine.rest_shape.corners(f);
             for k in 0..3 {
-                let expected = 7.0 * fine.rest_positions[face[k]].x;
+                let expected = 7.0 * corners[k].x;
                 let turns = (fine.phase[f][k] - expected) / TAU;
                 assert!((turns - turns.round()).abs() < 1e-9, "face {f}: {turns}");
                 // Inside a face there is no jump.
                 let l = (k + 1) % 3;
-                let step = 7.0 * (fine.rest_positions[face[l]].x - fine.rest_positions[face[k]].x);
+                let step = 7.0 * (corners[l].x - corners[k].x);
                 assert!((fine.phase[f][l] - fine.phase[f][k] - step).abs() < 1e-9);
             }
         }
-        assert_eq!(fine.topology.face_count(), 64 * topology.face_count());
+        assert_eq!(fine.topology.face_count(), 64 * sheet.topology.face_count());
         assert!(fine.amplitude_m.iter().all(|a| (a - 0.1).abs() < 1e-12));
     }
 
     #[test]
     fn wrinkle_free_faces_stay_flat() {
-        let (topology, positions, mut field, rest, rest_faces) = ring(12, 6, 3.0);
+        let (sheet, positions, mut field) = ring(12, 6, 3.0);
         for f in 40..72 {
             field.wrinkle_free[f] = true;
             field.phase[f] = [0.0; 3];
-            for v in topology.faces[f] {
+            for v in sheet.topology.faces[f] {
                 field.amplitude_m[v] = 0.0;
             }
         }
-        let fine = upsample(&topology, &positions, &field, &rest, &rest_faces, 2);
+        let fine = upsample(&sheet, &positions, &field, 2);
         for (f, face) in fine.topology.faces.iter().enumerate() {
             if fine.wrinkle_free[f] {
                 assert!(face.iter().all(|&v| fine.amplitude_m[v] == 0.0));
@@ -304,17 +284,17 @@ mod tests {
             .map(|p| Vec3::new(p[0], p[1], 0.0))
             .collect();
         let faces = vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
-        let topology = Topology::new(5, faces.clone()).unwrap();
-        let positions = rest.clone();
+        let material = Material::new(1e6, 0.3, 1e-4).unwrap();
+        let sheet = Sheet::from_rest(rest.clone(), faces, material).unwrap();
         let field = WrinkleField {
             amplitude_m: vec![0.0; 5],
             omega: vec![0.0; 8],
             phase: vec![[0.0; 3]; 4],
             wrinkle_free: vec![true; 4],
         };
-        let fine = upsample(&topology, &positions, &field, &rest, &faces, 3);
+        let fine = upsample(&sheet, &rest, &field, 3);
         for v in 0..4 {
-            assert_eq!(fine.base[v], positions[v]);
+            assert_eq!(fine.base[v], rest[v]);
         }
     }
 }

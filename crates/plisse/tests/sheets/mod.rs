@@ -5,46 +5,51 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::ops::Deref;
 
-use plisse::Result;
 use plisse::field::{FieldOptions, Solved, solve};
 use plisse::linalg::Ending;
 use plisse::material::Material;
+use plisse::mesh::Vec3;
 use plisse::mesh::panel::{Outline, Panel};
 use plisse::mesh::sew::{Seam, reversed, sew};
-use plisse::mesh::{Topology, Vec3};
 use plisse::progress::{Observer, Silent};
 pub(crate) use plisse::random::Random;
-use plisse::rest::RestMetric;
 use plisse::shell::{
     BaseOptions, BaseReport, Clamps, ReferenceOptions, Setup, solve_base, solve_reference,
 };
+use plisse::{RestShape, Result, Sheet};
 
-/// A surface, its rest metric and a pose.
+/// A sheet of Mylar in a pose.
 #[derive(Clone)]
-pub(crate) struct Sheet {
-    pub(crate) topology: Topology,
-    /// `[R]` rest vertices (m) and `[F][3]` rest vertices of each face.
-    pub(crate) rest_positions: Vec<Vec3>,
-    pub(crate) rest_faces: Vec<[usize; 3]>,
-    pub(crate) rest: RestMetric,
+pub(crate) struct PosedSheet {
+    pub(crate) sheet: Sheet,
     /// `[V]` pose (m).
     pub(crate) pose: Vec<Vec3>,
     /// `[V]` vertices whose amplitude is zero.
     pub(crate) held: Vec<bool>,
 }
 
-impl Sheet {
-    pub(crate) fn new(
-        rest_positions: Vec<Vec3>,
-        rest_faces: Vec<[usize; 3]>,
-        faces: Vec<[usize; 3]>,
-        pose: Vec<Vec3>,
-    ) -> Self {
-        let topology = Topology::new(pose.len(), faces).unwrap();
-        let rest = RestMetric::from_shape(&rest_positions, &rest_faces).unwrap();
+impl Deref for PosedSheet {
+    type Target = Sheet;
+
+    fn deref(&self) -> &Sheet {
+        &self.sheet
+    }
+}
+
+impl PosedSheet {
+    pub(crate) fn new(rest_shape: RestShape, faces: Vec<[usize; 3]>, pose: Vec<Vec3>) -> Self {
+        let sheet = Sheet::sewn(faces, rest_shape, mylar()).unwrap();
+        assert_eq!(sheet.topology.vertex_count, pose.len());
         let held = vec![false; pose.len()];
-        Self { topology, rest_positions, rest_faces, rest, pose, held }
+        Self { sheet, pose, held }
+    }
+
+    /// At rest where it is.
+    pub(crate) fn at_rest(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> Self {
+        let rest_shape = RestShape { positions: positions.clone(), faces: faces.clone() };
+        Self::new(rest_shape, faces, positions)
     }
 
     /// A flat irregular panel at rest, in the plane z = 0.
@@ -52,7 +57,7 @@ impl Sheet {
         let panel = Panel::new(outline, edge_length_m, seed).unwrap();
         let positions: Vec<Vec3> =
             panel.positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
-        Self::new(positions.clone(), panel.faces.clone(), panel.faces, positions)
+        Self::at_rest(positions, panel.faces)
     }
 
     pub(crate) fn rectangle(width_m: f64, height_m: f64, edge_length_m: f64, seed: u64) -> Self {
@@ -75,7 +80,7 @@ impl Sheet {
         let corners = (0..rows * row).filter(|v| (v + 1) % row != 0);
         let faces: Vec<[usize; 3]> =
             corners.flat_map(|v| [[v, v + 1, v + row], [v + 1, v + row + 1, v + row]]).collect();
-        Self::new(positions.clone(), faces.clone(), faces, positions)
+        Self::at_rest(positions, faces)
     }
 
     /// A closed ball at rest: an icosahedron of which every face is cut into four `cuts` times, on
@@ -83,7 +88,7 @@ impl Sheet {
     pub(crate) fn ball(radius_m: f64, cuts: usize) -> Self {
         let (positions, faces) = icosphere(cuts);
         let positions: Vec<Vec3> = positions.iter().map(|p| p * radius_m).collect();
-        Self::new(positions.clone(), faces.clone(), faces, positions)
+        Self::at_rest(positions, faces)
     }
 
     /// A ring of this radius whose tube has the radius `tube_m`, at rest, of about regular
@@ -109,7 +114,7 @@ impl Sheet {
             if j % 2 == 0 { [[a, b, c], [b, d, c]] } else { [[a, b, d], [a, d, c]] }
         });
         let faces: Vec<[usize; 3]> = squares.collect();
-        Self::new(positions.clone(), faces.clone(), faces, positions)
+        Self::at_rest(positions, faces)
     }
 
     /// The same sheet with every vertex of the pose moved.
@@ -118,20 +123,19 @@ impl Sheet {
         self
     }
 
-    /// The sheet held by `clamps`, without loads or obstacles.
-    pub(crate) fn setup<'a>(&'a self, material: &'a Material, clamps: &'a Clamps) -> Setup<'a> {
-        Setup::new(&self.topology, &self.rest, material, clamps)
+    /// The same sheet of another material.
+    pub(crate) fn of(&self, material: &Material) -> Sheet {
+        Sheet { material: *material, ..self.sheet.clone() }
     }
 
-    /// Solves for the field.
+    /// Solves for the field of the sheet of this material.
     pub(crate) fn solve(&self, material: &Material, options: &FieldOptions) -> Solved {
-        solve(&self.topology, &self.rest, &self.pose, &self.held, material, options, &Silent)
-            .unwrap()
+        solve(&self.of(material), &self.pose, &self.held, options, &Silent).unwrap()
     }
 
     /// Middle of face `f` at rest (m).
     pub(crate) fn middle(&self, f: usize) -> Vec3 {
-        self.rest_faces[f].iter().map(|&r| self.rest_positions[r]).sum::<Vec3>() / 3.0
+        self.rest_shape.corners(f).iter().sum::<Vec3>() / 3.0
     }
 }
 
@@ -262,9 +266,9 @@ impl Solver {
 /// A ring of which the inside is opened and the rim turned, over a low hill, with both rims held:
 /// sheared faces that wrinkle around a wrinkle-free, tense inside. Its phase gains turns around the
 /// hole (b₁ = 1).
-pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
+pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> PosedSheet {
     let (inner, outer) = (0.3, 1.0);
-    let ring = Sheet::flat(
+    let ring = PosedSheet::flat(
         &Outline::Annulus { inner_radius_m: inner, outer_radius_m: outer },
         edge_length_m,
         seed,
@@ -283,7 +287,7 @@ pub(crate) fn twisted_ring(edge_length_m: f64, seed: u64) -> Sheet {
 
 /// The twisted cylinder of the paper (radius 1 m, height 5 m, irregular, sewn from one panel), its
 /// top turned by 10°: a smooth pose to start the base solve from, with the rims as clamps.
-pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
+pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (PosedSheet, Clamps) {
     let panel =
         Panel::new(&Outline::Rectangle { width_m: TAU, height_m: 5.0 }, edge_length_m, 7).unwrap();
     let left = reversed(panel.side("left").unwrap());
@@ -300,16 +304,17 @@ pub(crate) fn twisted_cylinder(edge_length_m: f64) -> (Sheet, Clamps) {
             clamps.hold(v, pose[v]);
         }
     }
-    let mut sheet = Sheet::new(rest_positions, sewn.rest_faces, sewn.topology.faces, pose);
+    let rest_shape = RestShape { positions: rest_positions, faces: sewn.rest_faces };
+    let mut sheet = PosedSheet::new(rest_shape, sewn.topology.faces, pose);
     sheet.held = clamps.held();
     (sheet, clamps)
 }
 
 /// [`twisted_cylinder`] after its base solve.
-pub(crate) fn twisted_cylinder_at_rest(edge_length_m: f64) -> (Sheet, BaseReport) {
+pub(crate) fn twisted_cylinder_at_rest(edge_length_m: f64) -> (PosedSheet, BaseReport) {
     let (mut sheet, clamps) = twisted_cylinder(edge_length_m);
     let (pose, report) =
-        solve_base(&sheet.setup(&mylar(), &clamps), &sheet.pose, &BaseOptions::default(), &Silent)
+        solve_base(&Setup::new(&sheet, &clamps), &sheet.pose, &BaseOptions::default(), &Silent)
             .unwrap();
     sheet.pose = pose;
     (sheet, report)

@@ -6,10 +6,12 @@ use super::build::BuiltGrowth;
 use super::windows;
 use crate::growth::GrownSurface;
 use crate::mesh::islands::side_by_side;
+use crate::mesh::{Chart, RestShape};
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
 use crate::scene::build::Built;
 use crate::scene::laid::{BuiltPanel, Laid};
+use crate::sheet::Sheet;
 use crate::shell::Clamps;
 use crate::{At, Result};
 
@@ -20,8 +22,8 @@ impl BuiltGrowth {
     pub fn chart(&self) -> Option<Vec<[Vec2; 3]>> {
         let built = &self.built;
         let Some((_, apart)) = self.plane() else {
-            let (coordinates, corners) = built.texture.as_ref()?;
-            return Some(corners.iter().map(|face| face.map(|t| coordinates[t])).collect());
+            let texture = built.texture.as_ref()?;
+            return Some((0..texture.faces.len()).map(|f| texture.corners(f)).collect());
         };
         let mut chart: Vec<[Vec2; 3]> = self.panel_places().collect();
         for (p, panel) in built.panels.iter().enumerate() {
@@ -36,9 +38,9 @@ impl BuiltGrowth {
     /// Panel coordinates (m) of the corners of every face.
     fn panel_places(&self) -> impl Iterator<Item = [Vec2; 3]> {
         let built = &self.built;
-        (0..built.rest_faces.len()).map(|f| match &self.chart {
-            Some((points, faces)) => faces[f].map(|p| points[p]),
-            None => built.rest_faces[f].map(|r| built.rest_positions[r].xy()),
+        (0..built.sheet.rest_shape.faces.len()).map(|f| match &self.chart {
+            Some(chart) => chart.corners(f),
+            None => built.sheet.rest_shape.corners(f).map(|p| p.xy()),
         })
     }
 
@@ -46,7 +48,7 @@ impl BuiltGrowth {
     /// lays them; none for a mesh that came with a texture or is not flat.
     fn plane(&self) -> Option<(f64, f64)> {
         if self.chart.is_none() {
-            let places = &self.built.rest_positions;
+            let places = &self.built.sheet.rest_shape.positions;
             let first = *places.first()?;
             let (low, high) =
                 places.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
@@ -127,20 +129,20 @@ impl BuiltGrowth {
         }
         let mut chart = None;
         let (rest_positions, rest_faces, texture) = if corners.is_empty() || by_panel.is_none() {
-            let texture =
-                (self.built.texture.is_some() && !corners.is_empty()).then_some((places, corners));
+            let texture = (self.built.texture.is_some() && !corners.is_empty())
+                .then_some(Chart { points: places, faces: corners });
             (surface.start.clone(), topology.faces.clone(), texture)
         } else if self.chart.is_some() {
-            let texture = (side_by_side(&places, &corners), corners.clone());
-            chart = Some((places, corners));
+            let points = side_by_side(&places, &corners);
+            let texture = Chart { points, faces: corners.clone() };
+            chart = Some(Chart { points: places, faces: corners });
             (surface.start.clone(), topology.faces.clone(), Some(texture))
         } else {
             (places.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), corners, None)
         };
         let laid = Laid {
             topology,
-            rest_positions,
-            rest_faces,
+            rest_shape: RestShape { positions: rest_positions, faces: rest_faces },
             start: surface.start,
             vertex_of_rest: Vec::new(),
             panels,
@@ -153,10 +155,12 @@ impl BuiltGrowth {
         let windows = windows::windows(&self.counts, &self.extents, &laid)?;
         let built = Built {
             clamps: Clamps::none(laid.topology.vertex_count),
-            topology: laid.topology,
-            rest,
-            rest_positions: laid.rest_positions,
-            rest_faces: laid.rest_faces,
+            sheet: Sheet {
+                topology: laid.topology,
+                rest_shape: laid.rest_shape,
+                rest,
+                material: self.built.sheet.material,
+            },
             start: laid.start,
             loads: surface.loads,
             panels: laid.panels,

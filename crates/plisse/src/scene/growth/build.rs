@@ -5,12 +5,12 @@ use crate::growth::expansion::GrowthTensor;
 use crate::growth::maps::SCALAR_MAPS;
 use crate::growth::reference::ReferenceOptions;
 use crate::growth::{AdaptOptions, GrowingSurface, GrowthAt, GrowthMaps, GrowthOptions};
-use crate::mesh::{Topology, Vec3};
+use crate::mesh::{Chart, Topology, Vec3};
 use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
 use crate::scene::build::{Built, assemble, lay};
 use crate::scene::hold::{self, AXES, Grip};
-use crate::scene::laid::{Chart, Laid};
+use crate::scene::laid::Laid;
 use crate::scene::maps;
 use crate::scene::schema::{
     BandTable, CountTable, GrowthTable, MapTable, Mode, RemeshTable, Scene,
@@ -40,7 +40,7 @@ pub struct BuiltGrowth {
     pub(super) counts: Vec<CountTable>,
     /// `[panels]` extents of their coordinates.
     pub(super) extents: Vec<Extent>,
-    /// Panel coordinates (m) and those of each face's corners, if some panel is closed.
+    /// Panel coordinates (m), if some panel is closed.
     pub(super) chart: Option<Chart>,
     /// The same, on the mesh.
     pub(super) windows: Vec<CountWindow>,
@@ -51,8 +51,8 @@ impl BuiltGrowth {
     pub fn surface(&self) -> GrowingSurface {
         let built = &self.built;
         GrowingSurface {
-            topology: built.topology.clone(),
-            rest: built.rest.clone(),
+            topology: built.sheet.topology.clone(),
+            rest: built.sheet.rest.clone(),
             start: built.start.clone(),
             places: built.start.clone(),
             maps: self.maps.clone(),
@@ -121,14 +121,15 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
     reference.levels = table.steps.unwrap_or(reference.levels);
     reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
-    let rest = RestMetric::from_shape(&laid.rest_positions, &laid.rest_faces).at(&scene.file)?;
+    let rest = RestMetric::from_shape(&laid.rest_shape.positions, &laid.rest_shape.faces)
+        .at(&scene.file)?;
     let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
     let built = assemble(scene, laid, rest, clamps, loads)?;
     let grown = BuiltGrowth {
         adapt: table
             .remesh
             .as_ref()
-            .map(|remesh| adapt_options(remesh, &built.topology, &built.start)),
+            .map(|remesh| adapt_options(remesh, &built.sheet.topology, &built.start)),
         built,
         maps,
         mode: table.mode.unwrap_or_default(),
@@ -293,7 +294,7 @@ mod tests {
         // The same growth drives the base solve.
         let solved = build(&scene).unwrap();
         let asked = grown.surface().asked().unwrap();
-        assert_eq!(solved.rest, asked);
+        assert_eq!(solved.sheet.rest, asked);
         assert!(grown.parts(Some(40)).len() >= 40 && *grown.parts(None).last().unwrap() == 1.0);
     }
 

@@ -44,7 +44,7 @@ impl BuiltGrowth {
     /// # Errors
     /// [`Error::Mesh`](crate::Error::Mesh) if the starting surface has no normal somewhere.
     pub fn count(&self, pose: &[Vec3], asked: &RestMetric) -> Result<Vec<FoldCount>> {
-        let topology = &self.built.topology;
+        let topology = &self.built.sheet.topology;
         let offset = offsets_m(topology, &self.built.start, pose)?;
         let along = self.along();
         let mut counted = Vec::new();
@@ -98,11 +98,11 @@ impl BuiltGrowth {
         self.maps.bands.iter().flatten().for_each(|&v| banded[v] = true);
         let free = |v: usize| self.maps.vertices[v].frozen == [false; 3] && !banded[v];
         let counts = |f: usize| {
-            let face = self.built.topology.faces[f];
+            let face = self.built.sheet.topology.faces[f];
             face.into_iter().all(free)
                 && face.into_iter().any(|v| self.maps.vertices[v].growth.principal().0[0] > GROWS)
         };
-        let (topology, along) = (&self.built.topology, self.along());
+        let (topology, along) = (&self.built.sheet.topology, self.along());
         let any = (0..topology.face_count()).any(counts);
         let of_face = |f: usize| counts(f).then(|| along[f]);
         any.then(|| realised_growth(topology, &self.built.start, asked, pose, of_face))
@@ -116,6 +116,6 @@ impl BuiltGrowth {
                 (0..3).max_by(|&a, &b| corners[a].0[0].total_cmp(&corners[b].0[0])).unwrap_or(0);
             corners[most].1[0]
         };
-        self.built.topology.faces.iter().map(of).collect()
+        self.built.sheet.topology.faces.iter().map(of).collect()
     }
 }

@@ -160,7 +160,7 @@ fn grow_by_energy(
     let grown = match &scene.adapt {
         Some(adapt) => grow_on_adapted_mesh(scene, &steps, adapt, observer, each)?,
         None => {
-            let (surface, faces) = (scene.surface(), &scene.built.topology.faces);
+            let (surface, faces) = (scene.surface(), &scene.built.sheet.topology.faces);
             let mut each = |_: &StepReport, pose: &[Vec3]| each(pose, faces);
             let (pose, report) =
                 follow_each(&surface, &surface.start, &steps, observer, &mut each)?;
@@ -237,7 +237,7 @@ fn grow_by_reference(
     }
     let mut scene = scene.clone();
     scene.reference.levels = options.steps.unwrap_or(scene.reference.levels);
-    let faces = &scene.built.topology.faces;
+    let faces = &scene.built.sheet.topology.faces;
     let mut each = |_: &LevelReport, pose: &[Vec3]| each(pose, faces);
     let (pose, report) =
         grow_by_forces_each(&scene.surface(), &scene.reference, observer, &mut each)?;
@@ -279,7 +279,7 @@ fn reference_steps(report: &ReferenceReport) -> Vec<GrowthStep> {
 impl GrownScene {
     /// `[F]` the faces of the pose.
     pub fn faces(&self) -> &[[usize; 3]] {
-        &self.scene.built.topology.faces
+        &self.scene.built.sheet.topology.faces
     }
 
     /// End of the last step; [`Ending::Converged`] without any.
@@ -307,9 +307,9 @@ impl GrownScene {
         let realised = self.scene.reached(pose, &self.asked);
         let area = |positions: &[Vec3]| -> f64 {
             let of = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
-            built.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
+            built.sheet.topology.faces.iter().map(|face| of(face.map(|v| positions[v]))).sum()
         };
-        let offsets = offsets_m(&built.topology, &built.start, pose).unwrap_or_default();
+        let offsets = offsets_m(&built.sheet.topology, &built.start, pose).unwrap_or_default();
         let frozen = self.scene.maps.vertices.iter().filter(|at| at.frozen.contains(&true));
         Ok(GrowthMeasures {
             area_start_m2: area(&built.start),
@@ -319,7 +319,7 @@ impl GrownScene {
             frozen_vertices: frozen.count(),
             offset_min_m: offsets.iter().copied().fold(0.0, f64::min),
             offset_max_m: offsets.iter().copied().fold(0.0, f64::max),
-            self_intersecting_pairs: crossing_pairs(&built.topology.faces, pose).len(),
+            self_intersecting_pairs: crossing_pairs(&built.sheet.topology.faces, pose).len(),
             folds,
         })
     }
@@ -362,7 +362,7 @@ impl GrownScene {
     /// # Errors
     /// [`Error::Mesh`] if the starting surface has no normal somewhere.
     pub fn fields(&self) -> Result<GrowthFields> {
-        let (topology, start) = (&self.scene.built.topology, &self.scene.built.start);
+        let (topology, start) = (&self.scene.built.sheet.topology, &self.scene.built.start);
         let longer = |factor: f64| 100.0 * (factor - 1.0).max(0.0);
         let at = &self.scene.maps.vertices;
         let asked_percent = at.iter().map(|at| longer(at.growth.principal().0[0])).collect();
@@ -399,10 +399,9 @@ impl GrownScene {
     /// As [`OutputFolder::write`].
     pub fn write(&self, folder: &mut OutputFolder) -> Result<()> {
         let (texture, faces) = (self.scene.built.texture(), self.faces());
-        let texture =
-            texture.as_ref().map(|(coordinates, corners)| (&coordinates[..], &corners[..]));
+        let texture = texture.as_ref();
         folder.write("folded.obj", |out| obj::write(out, &self.pose, faces, texture))?;
-        let normals = vertex_normals(&self.scene.built.topology, &self.pose);
+        let normals = vertex_normals(&self.scene.built.sheet.topology, &self.pose);
         let mesh = glb::Mesh { positions: &self.pose, normals: &normals, faces, texture };
         folder.write("folded.glb", |out| glb::write(out, &mesh, CLOTH, Up::Z))
     }

@@ -1,0 +1,107 @@
+//! A thin sheet: a triangle mesh, its shape without strain, and its material.
+
+use std::path::Path;
+
+use crate::Result;
+use crate::io::garment::{self, RestSource};
+use crate::io::obj;
+use crate::material::Material;
+use crate::mesh::{RestShape, Topology, Vec3};
+use crate::rest::RestMetric;
+use crate::strain::{FaceStrain, strain};
+
+/// A thin sheet. It never changes; a pose (`[V]` positions, m) lies beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sheet {
+    /// Connectivity of the V vertices and F faces.
+    pub topology: Topology,
+    /// The shape without strain; R ≥ V rest vertices.
+    pub rest_shape: RestShape,
+    /// `[F]` rest metric: that of the rest shape, unless the sheet has grown.
+    pub rest: RestMetric,
+    /// The material.
+    pub material: Material,
+}
+
+impl Sheet {
+    /// The sheet whose rest shape is the mesh `positions` (`[V]`, m), `faces` (`[F][3]`).
+    ///
+    /// # Errors
+    /// [`Error::Mesh`](crate::Error::Mesh) for what [`Topology::new`] refuses and for a face
+    /// without area.
+    pub fn from_rest(
+        positions: Vec<Vec3>,
+        faces: Vec<[usize; 3]>,
+        material: Material,
+    ) -> Result<Self> {
+        let topology = Topology::new(positions.len(), faces.clone())?;
+        Self::with_topology(topology, RestShape { positions, faces }, material)
+    }
+
+    /// The sheet with the vertices that `faces` (`[F][3]`) name, and a rest shape with vertices of
+    /// its own: panels, which along a seam have two where the sheet has one.
+    ///
+    /// # Errors
+    /// As [`Sheet::from_rest`].
+    pub fn sewn(faces: Vec<[usize; 3]>, rest_shape: RestShape, material: Material) -> Result<Self> {
+        let vertex_count = faces.iter().flatten().max().map_or(0, |&last| last + 1);
+        Self::with_topology(Topology::new(vertex_count, faces)?, rest_shape, material)
+    }
+
+    /// The sheet of a checked mesh.
+    ///
+    /// # Errors
+    /// [`Error::Mesh`](crate::Error::Mesh) if the rest shape has another number of faces or one
+    /// without area.
+    pub fn with_topology(
+        topology: Topology,
+        rest_shape: RestShape,
+        material: Material,
+    ) -> Result<Self> {
+        if rest_shape.faces.len() != topology.face_count() {
+            let message = format!(
+                "the rest shape has {} faces, but the sheet has {}; give one for each",
+                rest_shape.faces.len(),
+                topology.face_count()
+            );
+            return Err(crate::Error::mesh("rest shape", message));
+        }
+        let rest = RestMetric::from_shape(&rest_shape.positions, &rest_shape.faces)?;
+        Ok(Self { topology, rest_shape, rest, material })
+    }
+
+    /// The sheet whose rest shape is the mesh in the OBJ file `rest`.
+    ///
+    /// # Errors
+    /// Those of [`obj::read`] and [`Sheet::from_rest`].
+    pub fn read(rest: &Path, material: Material) -> Result<Self> {
+        let mesh = obj::read(rest)?;
+        Self::from_rest(mesh.positions, mesh.faces, material)
+    }
+
+    /// The sheet in the OBJ file `pose`, with its rest shape, and its `[V]` positions (m) there.
+    ///
+    /// # Errors
+    /// Those of [`garment::read`].
+    pub fn read_posed(
+        pose: &Path,
+        rest: RestSource<'_>,
+        material: Material,
+    ) -> Result<(Self, Vec<Vec3>)> {
+        let garment = garment::read(pose, rest, 1.0)?;
+        Ok((
+            Self::with_topology(garment.topology, garment.rest_shape, material)?,
+            garment.positions,
+        ))
+    }
+
+    /// The same sheet with the rest metric `rest`, as after growth.
+    pub fn grown(self, rest: RestMetric) -> Self {
+        Self { rest, ..self }
+    }
+
+    /// `[F]` strain of `pose` (`[V]`, m).
+    pub fn strain(&self, pose: &[Vec3]) -> Vec<FaceStrain> {
+        strain(&self.topology, &self.rest, pose)
+    }
+}
