@@ -2,10 +2,10 @@
 
 use plisse::Result;
 use plisse::io::staged::OutputFolder;
-use plisse::mesh::{Topology, Up, Vec3};
+use plisse::mesh::{Up, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::picture::{Camera, Image, Paint, PanelView, Subject, draw_among};
-use plisse::wrinkled::Wrinkled;
+use plisse::wrinkled::{PosedField, WrinkledSurface};
 use serde::Serialize;
 
 use crate::terminal;
@@ -118,27 +118,15 @@ pub(crate) fn draw_panels_by(
 }
 
 /// The four panels of figure 5 of [Chen 2021]: base surface, amplitude, phase, wrinkled surface.
-pub(crate) fn picture(
-    topology: &Topology,
-    pose: &[Vec3],
-    wrinkled: &Wrinkled,
-    amplitude_max_m: f64,
-    up: Up,
-    obstacles: &[Obstacle],
-) -> Image {
-    let fine = &wrinkled.fine;
+pub(crate) fn picture(posed: &PosedField<'_>, surface: &WrinkledSurface, up: Up) -> Image {
+    let fine = &surface.fine;
     let base = Subject { positions: &fine.base, faces: &fine.topology.faces };
     let millimetres: Vec<f64> = fine.amplitude_m.iter().map(|a| a * 1e3).collect();
-    let phase: Vec<[f64; 3]> = fine
-        .phase
-        .iter()
-        .zip(&fine.wrinkle_free)
-        .map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase })
-        .collect();
+    let phase = fine.visible_phase();
     let panels = [
         PanelView {
             title: "Base surface",
-            subject: Subject { positions: pose, faces: &topology.faces },
+            subject: Subject { positions: posed.pose, faces: &posed.sheet.topology.faces },
             paint: Paint::Plain { colour: BASE_SRGB, wireframe: true },
         },
         PanelView {
@@ -146,16 +134,16 @@ pub(crate) fn picture(
             subject: base,
             paint: Paint::Scalar {
                 values: &millimetres,
-                maximum: amplitude_max_m * 1e3,
+                maximum: posed.field.largest_amplitude_m() * 1e3,
                 unit: "mm",
             },
         },
         PanelView { title: "Phase", subject: base, paint: Paint::Phase { corners: &phase } },
         PanelView {
             title: "Wrinkled surface",
-            subject: Subject { positions: &wrinkled.positions, faces: &fine.topology.faces },
+            subject: Subject { positions: &surface.positions, faces: &fine.topology.faces },
             paint: Paint::Plain { colour: CLOTH_SRGB, wireframe: false },
         },
     ];
-    draw_panels(&panels, pose, up, obstacles)
+    draw_panels(&panels, posed.pose, up, posed.obstacles)
 }

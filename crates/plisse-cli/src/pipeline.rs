@@ -1,17 +1,16 @@
-//! The pipeline that `solve` and `wrinkle` share: from a pose to files.
+//! The pipeline that `solve` and `wrinkle` share: from a solved field to files.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use plisse::field::{FieldOptions, FieldReport, Terms, WrinkleField, solve};
+use plisse::field::FieldReport;
 use plisse::io::staged::OutputFolder;
 use plisse::linalg::Ending;
-use plisse::mesh::{Topology, Up};
+use plisse::mesh::Up;
 use plisse::scene::Measured;
 use plisse::shell::BaseReport;
-use plisse::surface::{MOST_FACES, levels_within};
-use plisse::wrinkled;
+use plisse::wrinkled::PosedField;
 use plisse::{Error, Result};
 
 use crate::arguments::OutputArguments;
@@ -20,16 +19,17 @@ use crate::progress::Bars;
 use crate::report::{BaseSummary, Report, SurfaceSummary, ending_name};
 use crate::terminal::RunEnd;
 
-/// What both commands make of their input.
+/// A solved field, and what is written about it.
 pub(crate) struct Job<'a> {
+    pub(crate) arguments: &'a OutputArguments,
     pub(crate) title: &'a str,
-    /// What was published about it.
-    pub(crate) paper: Option<&'a str>,
-    pub(crate) posed: wrinkled::Posed<'a>,
-    pub(crate) held: &'a [bool],
-    pub(crate) field: FieldOptions,
+    /// What was published about it; may be empty.
+    pub(crate) paper: &'a str,
+    pub(crate) posed: PosedField<'a>,
     pub(crate) up: Up,
-    pub(crate) base: Option<&'a BaseReport>,
+    pub(crate) base_report: Option<&'a BaseReport>,
+    pub(crate) field_report: &'a FieldReport,
+    pub(crate) measures: Vec<Measured>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -56,60 +56,30 @@ pub(crate) fn with_threads<T: Send>(
     pool.install(work)
 }
 
-/// Takes the terms named on the command line out of `field`.
-pub(crate) fn remove_stale(field: &mut FieldOptions, names: &[String]) -> Result<()> {
-    for name in names {
-        if name == "relaxed-integrability" {
-            field.relaxed_integrability = false;
-        } else {
-            field.terms = field.terms.without(name).ok_or_else(|| {
-                let known = Terms::NAMES.join(", ");
-                Error::value(
-                    "--without",
-                    format!("there is no term '{name}'; known are {known}, relaxed-integrability"),
-                )
-            })?;
+/// `error` about an option of the library, with the flag that gave it.
+pub(crate) fn about_flag(error: Error) -> Error {
+    match error {
+        Error::Value { field, message } if ["levels", "without"].contains(&field.as_str()) => {
+            Error::value(format!("--{field}"), message)
         }
-    }
-    Ok(())
-}
-
-/// Refuses `levels`, which `field` asked for, if they would make too many faces; before anything
-/// long begins.
-pub(crate) fn check_levels(field: &str, levels: Option<usize>, topology: &Topology) -> Result<()> {
-    let most = levels_within(topology, MOST_FACES);
-    match levels {
-        Some(levels) if levels > most => {
-            let message = format!(
-                "{levels} levels would make more than {MOST_FACES} faces of {}; ask for {most} or \
-                 fewer",
-                topology.face_count()
-            );
-            Err(Error::value(field, message))
-        }
-        _ => Ok(()),
+        other => other,
     }
 }
 
-/// Field, phase, surface, picture, files, table.
+/// Makes the surface, draws the picture, writes the files and prints the table.
 pub(crate) fn finish(
     job: Job<'_>,
-    arguments: &OutputArguments,
     mut folder: OutputFolder,
     bars: &Bars<'_>,
     interrupted: &AtomicBool,
     begun: Instant,
-    measure: impl FnOnce(&WrinkleField, &FieldReport) -> Vec<Measured>,
 ) -> Result<RunEnd> {
-    let (posed, topology) = (&job.posed, &job.posed.sheet.topology);
-    let solved = solve(posed.sheet, posed.pose, job.held, &job.field, bars)?;
-    bars.finish();
-    let (field, found) = (&solved.field, &solved.report);
-    let mut report = Report::new(job.title, posed.sheet, field, found);
-    report.paper = job.paper.map(str::to_owned);
-    report.measures = measure(field, found);
+    let posed = &job.posed;
+    let mut report = Report::new(job.title, posed.sheet, posed.field, job.field_report);
+    report.paper = Some(job.paper.to_owned()).filter(|paper| !paper.is_empty());
+    report.measures = job.measures;
     report.notes = job.notes;
-    if let Some(base) = job.base {
+    if let Some(base) = job.base_report {
         report.base = Some(BaseSummary::from(base));
         report.seconds.base = base.seconds;
     }
@@ -117,9 +87,9 @@ pub(crate) fn finish(
     let surface_begun = Instant::now();
     let spinner = bars.spinner("surface");
     // Who interrupts does not want to wait for a fine surface.
-    let hurried = interrupted.load(Ordering::SeqCst) && posed.levels.is_none();
-    let wrinkled = posed.wrinkle(field, if hurried { 0 } else { posed.levels(field) });
-    let fine = &wrinkled.fine;
+    let hurried = interrupted.load(Ordering::SeqCst) && posed.options.levels.is_none();
+    let surface = posed.surface(if hurried { 0 } else { posed.levels() });
+    let fine = &surface.fine;
     report.surface = SurfaceSummary {
         levels: fine.levels,
         vertices: fine.topology.vertex_count,
@@ -128,19 +98,9 @@ pub(crate) fn finish(
     drop(spinner);
 
     let spinner = bars.spinner("files");
-    let draw = || {
-        outputs::picture(
-            topology,
-            posed.pose,
-            &wrinkled,
-            report.amplitude_m.max,
-            job.up,
-            posed.obstacles,
-        )
-    };
     let (picture, written) = rayon::join(
-        || (!arguments.no_picture).then(draw),
-        || posed.write(&mut folder, field, &wrinkled, job.up),
+        || (!job.arguments.no_picture).then(|| outputs::picture(posed, &surface, job.up)),
+        || posed.write(&mut folder, &surface, job.up),
     );
     written?;
     match picture {
@@ -151,15 +111,7 @@ pub(crate) fn finish(
     }
     let was_interrupted = interrupted.load(Ordering::SeqCst);
     if was_interrupted {
-        let interrupted = ending_name(Ending::Cancelled);
-        let cut_short = report.ending == interrupted
-            || report.base.as_ref().is_some_and(|base| base.ending == interrupted);
-        report.notes.push(match cut_short {
-            true => "interrupted: this is the best state so far, not a solution".to_owned(),
-            false => {
-                "interrupted after the solve had ended by itself; nothing is missing".to_owned()
-            }
-        });
+        report.notes.push(interrupted_note(&report).to_owned());
     }
     report.seconds.surface = surface_begun.elapsed().as_secs_f64();
     report.seconds.total = begun.elapsed().as_secs_f64();
@@ -167,4 +119,16 @@ pub(crate) fn finish(
     outputs::finish(folder, &report, table)?;
     drop(spinner);
     Ok(if was_interrupted { RunEnd::Interrupted } else { RunEnd::Complete })
+}
+
+/// What an interruption means for the result.
+fn interrupted_note(report: &Report) -> &'static str {
+    let interrupted = ending_name(Ending::Cancelled);
+    let cut_short = report.ending == interrupted
+        || report.base.as_ref().is_some_and(|base| base.ending == interrupted);
+    if cut_short {
+        "interrupted: this is the best state so far, not a solution"
+    } else {
+        "interrupted after the solve had ended by itself; nothing is missing"
+    }
 }

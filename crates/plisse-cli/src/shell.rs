@@ -11,9 +11,9 @@ use plisse::mesh::normals::vertex_normals;
 use plisse::mesh::{Up, Vec3};
 use plisse::picture::CLOTH;
 use plisse::picture::{Paint, PanelView, Subject};
-use plisse::scene::{Built, Measured, Scene};
+use plisse::scene::{BuiltScene, Measured, Scene};
 use plisse::shell::{ReferenceOptions, ReferenceReport, solve_reference};
-use plisse::strain::strain;
+use plisse::strain::compression_percent;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 
@@ -100,7 +100,7 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
             ending: shell_ending(&found),
             energy_joule: found.energy_joule,
             gradient_newton: found.gradient_newton,
-            displacement_max_m: displacement(&built, &start, &pose)
+            displacement_max_m: scene::heights_m(&built, &start, &pose)
                 .into_iter()
                 .fold(0.0, |most, d| d.abs().max(most)),
             base: base.as_ref().map(BaseSummary::from),
@@ -112,7 +112,8 @@ pub(crate) fn run(arguments: &ShellArguments, interrupted: &AtomicBool) -> Resul
                 total: begun.elapsed().as_secs_f64(),
             },
         };
-        write(&built, &start, &pose, report, &found, arguments, folder, &bars)?;
+        let shell = Shell { built: &built, start: &start, pose: &pose, found: &found };
+        write(&shell, report, arguments, folder, &bars)?;
         Ok(if interrupted.load(Ordering::SeqCst) { RunEnd::Interrupted } else { RunEnd::Complete })
     })
 }
@@ -141,23 +142,22 @@ fn refine(scene: &mut Scene, finer: f64) -> Result<()> {
     Ok(())
 }
 
-/// `[V]` distance (m) of `pose` from `start` along the normal of `start`.
-fn displacement(built: &Built, start: &[Vec3], pose: &[Vec3]) -> Vec<f64> {
-    let normals = vertex_normals(&built.sheet.topology, start);
-    (0..pose.len()).map(|v| (pose[v] - start[v]).dot(&normals[v])).collect()
+/// A solved shell.
+struct Shell<'a> {
+    built: &'a BuiltScene,
+    start: &'a [Vec3],
+    pose: &'a [Vec3],
+    found: &'a ReferenceReport,
 }
 
-#[allow(clippy::too_many_arguments)]
 fn write(
-    built: &Built,
-    start: &[Vec3],
-    pose: &[Vec3],
+    shell: &Shell<'_>,
     report: Report,
-    found: &ReferenceReport,
     arguments: &ShellArguments,
     mut folder: OutputFolder,
     bars: &Bars<'_>,
 ) -> Result<()> {
+    let &Shell { built, start, pose, found } = shell;
     let spinner = bars.spinner("files");
     let faces = &built.sheet.topology.faces;
     let texture = built.texture();
@@ -170,7 +170,7 @@ fn write(
     if arguments.no_picture {
         folder.remove_stale("picture.png");
     } else {
-        let picture = picture(built, start, pose);
+        let picture = picture(shell);
         folder.write("picture.png", |out| plisse::picture::write_png(&picture, out))?;
     }
     let mut table = format!("{}\n", report.title);
@@ -205,15 +205,12 @@ fn write(
 }
 
 /// Start, displacement, what compression is left, and the shell.
-fn picture(built: &Built, start: &[Vec3], pose: &[Vec3]) -> plisse::picture::Image {
+fn picture(shell: &Shell<'_>) -> plisse::picture::Image {
+    let &Shell { built, start, pose, .. } = shell;
     let faces = &built.sheet.topology.faces;
-    let height: Vec<f64> = displacement(built, start, pose).iter().map(|d| 1e3 * d.abs()).collect();
-    let mut pressed = vec![0.0_f64; pose.len()];
-    for (face, strain) in faces.iter().zip(strain(&built.sheet.topology, &built.sheet.rest, pose)) {
-        // Ê is twice the strain.
-        let percent = 50.0 * (-strain.principal[0]).max(0.0);
-        face.iter().for_each(|&v| pressed[v] = pressed[v].max(percent));
-    }
+    let heights = scene::heights_m(built, start, pose);
+    let height: Vec<f64> = heights.iter().map(|d| 1e3 * d.abs()).collect();
+    let pressed = compression_percent(&built.sheet.topology, &built.sheet.rest, pose);
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let subject = Subject { positions: pose, faces };
     let panels = [

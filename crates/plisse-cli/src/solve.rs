@@ -5,45 +5,46 @@ use std::time::Instant;
 
 use plisse::Result;
 use plisse::mesh::Up;
-use plisse::scene;
+use plisse::scene::{self, SolveOptions, SolvedScene};
 
 use crate::arguments::SolveArguments;
-use crate::pipeline::{Job, check_levels, finish, open_output, remove_stale, with_threads};
+use crate::pipeline::{Job, about_flag, finish, open_output, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 
 pub(crate) fn run(arguments: &SolveArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
+    solve(arguments, interrupted).map(|(_, end)| end)
+}
+
+/// Solves the scene and writes its files.
+pub(crate) fn solve(
+    arguments: &SolveArguments,
+    interrupted: &AtomicBool,
+) -> Result<(SolvedScene, RunEnd)> {
     let begun = Instant::now();
     let scene = scene::read(&arguments.scene)?;
-    let mut built = scene::build(&scene)?;
-    remove_stale(&mut built.field, &arguments.output.without)?;
-    match arguments.output.levels {
-        Some(levels) => check_levels("--levels", Some(levels as usize), &built.sheet.topology)?,
-        None => check_levels(
-            &format!("{}, surface.levels", arguments.scene.display()),
-            built.levels,
-            &built.sheet.topology,
-        )?,
-    }
+    let options = SolveOptions {
+        levels: arguments.output.levels.map(|levels| levels as usize),
+        without: arguments.output.without.clone(),
+    };
+    let built = scene::build_with(&scene, &options).map_err(about_flag)?;
     let folder = open_output(&arguments.output, &arguments.scene)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
-        let (pose, base) = scene::solve_base(&scene, &built, &bars)?;
+        let solved = scene::solve_built(&scene, built, &bars)?;
         bars.finish();
-        let mut posed = built.posed(&pose);
-        posed.levels = arguments.output.levels.map(|levels| levels as usize).or(posed.levels);
         let job = Job {
-            title: &built.title,
-            paper: Some(built.paper.as_str()).filter(|paper| !paper.is_empty()),
-            posed,
-            held: &built.clamps.held(),
-            field: built.field.clone(),
+            arguments: &arguments.output,
+            title: &solved.built.title,
+            paper: &solved.built.paper,
+            posed: solved.posed_field(),
             up: Up::Z,
-            base: Some(&base),
-            notes: built.notes.iter().cloned().chain(scene::base_notes(&base)).collect(),
+            base_report: Some(&solved.base_report),
+            field_report: &solved.field_report,
+            measures: solved.measures.clone(),
+            notes: solved.notes.clone(),
         };
-        finish(job, &arguments.output, folder, &bars, interrupted, begun, |field, report| {
-            scene::measure(&built, field, report)
-        })
+        let end = finish(job, folder, &bars, interrupted, begun)?;
+        Ok((solved, end))
     })
 }

@@ -3,24 +3,26 @@
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use plisse::field::FieldOptions;
+use plisse::field::{self, FieldOptions};
 use plisse::io::clamp_file::read_clamped_vertices;
 use plisse::io::garment;
 use plisse::material::Material;
 use plisse::mesh::islands::panel_texture;
-use plisse::wrinkled::Posed;
+use plisse::wrinkled::{PosedField, SurfaceOptions};
 use plisse::{At, Result, Sheet};
 
 use crate::arguments::WrinkleArguments;
-use crate::pipeline::{Job, check_levels, finish, open_output, remove_stale, with_threads};
+use crate::pipeline::{Job, about_flag, finish, open_output, with_threads};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 
 pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
     let material = Material::new(arguments.young, arguments.poisson, arguments.thickness)?;
-    let mut field = FieldOptions { rule: arguments.wrinkle_free.into(), ..FieldOptions::default() };
-    remove_stale(&mut field, &arguments.output.without)?;
+    let mut options = FieldOptions { rule: arguments.wrinkle_free.into(), ..Default::default() };
+    for name in &arguments.output.without {
+        options = options.without(name).map_err(about_flag)?;
+    }
     let garment = garment::read(&arguments.pose, garment::RestSource::File(&arguments.rest), 1.0)?;
     let texture = garment.texture.or_else(|| panel_texture(&garment.rest_shape));
     let sheet =
@@ -32,31 +34,32 @@ pub(crate) fn run(arguments: &WrinkleArguments, interrupted: &AtomicBool) -> Res
         }
     }
     let levels = arguments.output.levels.map(|levels| levels as usize);
-    check_levels("--levels", levels, &sheet.topology)?;
+    let surface = SurfaceOptions { levels, ..SurfaceOptions::default() };
+    surface.check(&sheet.topology).map_err(about_flag)?;
     let folder = open_output(&arguments.output, &arguments.pose)?;
     let bars = Bars::new(interrupted);
     with_threads(arguments.output.threads, || {
-        let posed = Posed {
-            sheet: &sheet,
-            texture,
-            pose: &garment.positions,
-            curvature_rings: field.curvature_rings,
-            obstacles: &[],
-            clearance_m: 0.0,
-            levels,
-            v1: false,
-            v2: true,
-        };
+        let solved = field::solve(&sheet, &garment.positions, &held, &options, &bars)?;
+        bars.finish();
         let job = Job {
+            arguments: &arguments.output,
             title: &arguments.pose.display().to_string(),
-            paper: None,
-            posed,
-            held: &held,
-            field,
+            paper: "",
+            posed: PosedField {
+                sheet: &sheet,
+                pose: &garment.positions,
+                field: &solved.field,
+                options: surface,
+                obstacles: &[],
+                clearance_m: 0.0,
+                texture,
+            },
             up: arguments.up,
-            base: None,
+            base_report: None,
+            field_report: &solved.report,
+            measures: Vec::new(),
             notes: garment.notes,
         };
-        finish(job, &arguments.output, folder, &bars, interrupted, begun, |_, _| Vec::new())
+        finish(job, folder, &bars, interrupted, begun)
     })
 }

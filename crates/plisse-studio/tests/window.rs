@@ -249,7 +249,7 @@ fn a_scene_is_solved_and_exported_as_the_command_line_makes_it() {
     harness.state_mut().run(Command::Solve);
     settle(&mut harness);
     let again = harness.state().jobs.physics.solved.clone().expect("solved again");
-    let (first, next) = (solved.base.iterations, again.base.iterations);
+    let (first, next) = (solved.base_report.iterations, again.base_report.iterations);
     assert!(2 * next <= first, "{next} iterations after {first}");
     // Exported.
     let out = folder.join("out");
@@ -282,9 +282,11 @@ fn same_as_the_library(out: &Path) {
         plisse::scene::build(&plisse::scene::read(out.join("scene.toml")).unwrap()).unwrap();
     let silent = plisse::progress::Silent;
     let (pose, _) =
-        plisse::shell::solve_base(&built.setup(), &built.start, &built.base, &silent).unwrap();
+        plisse::shell::solve_base(&built.setup(), &built.start, &built.base_options, &silent)
+            .unwrap();
     let held = built.clamps.held();
-    let solved = plisse::field::solve(&built.sheet, &pose, &held, &built.field, &silent).unwrap();
+    let solved =
+        plisse::field::solve(&built.sheet, &pose, &held, &built.field_options, &silent).unwrap();
     let mut bytes = Vec::new();
     plisse::field::json::write(&mut bytes, &built.sheet.topology, &solved.field).unwrap();
     assert!(bytes == std::fs::read(out.join("field.json")).unwrap(), "field.json differs");

@@ -10,8 +10,7 @@
 //!
 //! ```
 //! use plisse::progress::Silent;
-//! use plisse::surface::{Displacement, displace, upsample};
-//! use plisse::{field, scene, shell};
+//! use plisse::scene::{self, SolveOptions};
 //!
 //! let text = r#"
 //!     title = "A sheet pulled along x"
@@ -31,15 +30,12 @@
 //!     side = "sheet.right"
 //!     move_m = [0.0125, 0.0, 0.0]
 //! "#;
-//! let built = scene::build(&scene::parse("sheet.toml", text)?)?;
-//! let (topology, rest, material) = (&built.topology, &built.rest, &built.material);
-//! let (pose, _) = shell::solve_base(&built.setup(), &built.start, &built.base, &Silent)?;
-//! let solved = field::solve(topology, rest, &pose, &built.clamps.held(), material, &built.field, &Silent)?;
+//! let scene = scene::parse("sheet.toml", text)?;
+//! let solved = scene::solve(&scene, &SolveOptions::default(), &Silent)?;
 //! assert!(solved.field.amplitude_m.iter().any(|&a| a > 1e-5));
 //!
-//! let fine = upsample(topology, &pose, &solved.field, &built.rest_positions, &built.rest_faces, 2);
-//! let wrinkled = displace(&fine, &Displacement { v2: true, v1: None });
-//! assert_eq!(wrinkled.len(), fine.topology.vertex_count);
+//! let surface = solved.surface(Some(2));
+//! assert_eq!(surface.positions.len(), surface.fine.topology.vertex_count);
 //! # Ok::<(), plisse::Error>(())
 //! ```
 

@@ -58,6 +58,18 @@ pub fn principal_pair(m: &Mat2) -> ([f64; 2], Vec2) {
     ([mean - radius, mean + radius], Vec2::new(-s, c))
 }
 
+/// `[V]` largest compression (%) of `pose` (`[V]`, m) in the faces around each vertex; 0 where
+/// nothing is compressed.
+pub fn compression_percent(topology: &Topology, rest: &RestMetric, pose: &[Vec3]) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; pose.len()];
+    for (face, strain) in topology.faces.iter().zip(strain(topology, rest, pose)) {
+        // Ê is twice the strain.
+        let percent = 50.0 * (-strain.principal[0]).max(0.0);
+        face.iter().for_each(|&v| largest[v] = largest[v].max(percent));
+    }
+    largest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,35 +1,74 @@
-//! A pose with its wrinkles as the files that are taken away: the one road from a solved field to
-//! `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json`, for everyone who writes them.
+//! A wrinkle field on a pose of a sheet: its fine surface, its maps and its files. Every program
+//! that writes `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json` does it here.
 
-use crate::Result;
+use crate::bake::{self, Baked, Surface, field_sampler};
 use crate::field::curvature::second_forms;
-use crate::field::{WrinkleField, json};
+use crate::field::{FieldOptions, WrinkleField, json};
 use crate::io::staged::OutputFolder;
 use crate::io::{glb, obj};
 use crate::mesh::normals::vertex_normals;
-use crate::mesh::{Chart, Up, Vec3};
+use crate::mesh::{Chart, Topology, Up, Vec3};
 use crate::obstacle::Obstacle;
 use crate::picture::CLOTH;
 use crate::sheet::Sheet;
 use crate::surface::{
-    Displacement, FirstCorrection, Upsampled, displace, keep_out, suggest_levels, upsample,
+    Displacement, FirstCorrection, MOST_FACES, Upsampled, displace, keep_out, levels_within,
+    suggest_levels, upsample,
 };
+use crate::{Error, Result};
 
-/// A base surface in the pose in which it wrinkles.
+/// How the fine surface is made from a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceOptions {
+    /// Number of subdivisions; `None`: as many as the wavelength asks for.
+    pub levels: Option<usize>,
+    /// True if the surface is displaced by the in-plane correction v₁, too.
+    pub v1: bool,
+    /// True if the surface is displaced by the in-plane correction v₂, too.
+    pub v2: bool,
+    /// Rings of neighbours that curvature is fitted to, for v₁.
+    pub curvature_rings: usize,
+}
+
+impl Default for SurfaceOptions {
+    fn default() -> Self {
+        let curvature_rings = FieldOptions::default().curvature_rings;
+        Self { levels: None, v1: false, v2: true, curvature_rings }
+    }
+}
+
+impl SurfaceOptions {
+    /// Refuses more levels than a surface of [`MOST_FACES`] faces has.
+    ///
+    /// # Errors
+    /// [`Error::Value`] about "levels".
+    pub fn check(&self, topology: &Topology) -> Result<()> {
+        let most = levels_within(topology, MOST_FACES);
+        match self.levels {
+            Some(levels) if levels > most => {
+                let message = format!(
+                    "{levels} levels would make more than {MOST_FACES} faces of {}; ask for {most} \
+                     or fewer",
+                    topology.face_count()
+                );
+                Err(Error::value("levels", message))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A wrinkle field on a pose of a sheet, and how its surface is made.
 #[derive(Clone, Debug)]
-pub struct Posed<'a> {
+pub struct PosedField<'a> {
     /// The sheet.
     pub sheet: &'a Sheet,
     /// `[V]` positions (m).
     pub pose: &'a [Vec3],
-    /// Rings of neighbours that curvature is fitted to, for v₁.
-    pub curvature_rings: usize,
-    /// Subdivisions asked for; `None`: as many as the wavelength asks for.
-    pub levels: Option<usize>,
-    /// Whether to displace by v₁.
-    pub v1: bool,
-    /// Whether to displace by v₂.
-    pub v2: bool,
+    /// The field.
+    pub field: &'a WrinkleField,
+    /// How its surface is made.
+    pub options: SurfaceOptions,
     /// Bodies that the wrinkles stay out of.
     pub obstacles: &'a [Obstacle],
     /// Distance (m) that they keep.
@@ -40,55 +79,77 @@ pub struct Posed<'a> {
 
 /// A wrinkled surface.
 #[derive(Clone, Debug)]
-pub struct Wrinkled {
-    /// The divided base surface, kept out of bodies as its wrinkles are.
+pub struct WrinkledSurface {
+    /// The divided base surface, kept out of bodies like its wrinkles.
     pub fine: Upsampled,
-    /// Its wrinkled places (m).
+    /// `[V]` positions (m) with the wrinkles.
     pub positions: Vec<Vec3>,
 }
 
-impl Posed<'_> {
-    /// Subdivisions asked for, else those that the wavelength of `field` asks for.
-    pub fn levels(&self, field: &WrinkleField) -> usize {
-        let median_m = || field.wavelengths(self.sheet).map(|summary| summary.median);
-        self.levels.unwrap_or_else(|| suggest_levels(self.sheet, median_m()))
+impl PosedField<'_> {
+    /// Subdivisions asked for, else those that the wavelength asks for.
+    pub fn levels(&self) -> usize {
+        let median_m = || self.field.wavelengths(self.sheet).map(|summary| summary.median);
+        self.options.levels.unwrap_or_else(|| suggest_levels(self.sheet, median_m()))
     }
 
-    /// The surface with the wrinkles of `field`, divided `levels` times.
-    pub fn wrinkle(&self, field: &WrinkleField, levels: usize) -> Wrinkled {
+    /// The surface with its wrinkles, divided `levels` times.
+    pub fn surface(&self, levels: usize) -> WrinkledSurface {
         let Sheet { topology, material, .. } = self.sheet;
-        let mut fine = upsample(self.sheet, self.pose, field, levels);
-        let forms = self.v1.then(|| second_forms(topology, self.pose, self.curvature_rings));
+        let SurfaceOptions { v1, v2, curvature_rings, .. } = self.options;
+        let mut fine = upsample(self.sheet, self.pose, self.field, levels);
+        let forms = v1.then(|| second_forms(topology, self.pose, curvature_rings));
         let v1 = forms.as_deref().map(|second_forms| FirstCorrection { second_forms, material });
-        let how = Displacement { v2: self.v2, v1 };
-        let mut positions = displace(&fine, &how);
+        let mut positions = displace(&fine, &Displacement { v2, v1 });
         for places in [&mut positions, &mut fine.base] {
             keep_out(places, self.obstacles, self.clearance_m);
         }
-        Wrinkled { fine, positions }
+        WrinkledSurface { fine, positions }
     }
 
-    /// Writes `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json` into `folder`.
+    /// Writes `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json` into `folder`. `up` is the
+    /// axis of the pose that points up.
     ///
     /// # Errors
-    /// [`Error::File`](crate::Error::File) if something cannot be written.
+    /// [`Error::File`] if something cannot be written.
     pub fn write(
         &self,
         folder: &mut OutputFolder,
-        field: &WrinkleField,
-        wrinkled: &Wrinkled,
+        surface: &WrinkledSurface,
         up: Up,
     ) -> Result<()> {
         let topology = &self.sheet.topology;
         let coarse = self.texture.as_ref();
-        let refined = coarse.map(|chart| chart.refined(wrinkled.fine.levels));
+        let refined = coarse.map(|chart| chart.refined(surface.fine.levels));
         let texture = refined.as_ref();
-        let (positions, faces) = (&wrinkled.positions, &wrinkled.fine.topology.faces);
+        let (positions, faces) = (&surface.positions, &surface.fine.topology.faces);
         folder.write("base.obj", |out| obj::write(out, self.pose, &topology.faces, coarse))?;
         folder.write("wrinkled.obj", |out| obj::write(out, positions, faces, texture))?;
-        let normals = vertex_normals(&wrinkled.fine.topology, positions);
+        let normals = vertex_normals(&surface.fine.topology, positions);
         let mesh = glb::Mesh { positions, normals: &normals, faces, texture };
         folder.write("wrinkled.glb", |out| glb::write(out, &mesh, CLOTH, up))?;
-        folder.write("field.json", |out| json::write(out, topology, field))
+        folder.write("field.json", |out| json::write(out, topology, self.field))
     }
+}
+
+/// Height and normal maps of `field` on a pose (`[V]`, m) of a surface with texture coordinates.
+///
+/// # Errors
+/// Those of [`bake::bake`].
+pub fn bake_field(
+    topology: &Topology,
+    pose: &[Vec3],
+    texture: &Chart,
+    field: &WrinkleField,
+    options: &bake::Options,
+) -> Result<Baked> {
+    let normals = vertex_normals(topology, pose);
+    let surface = Surface {
+        positions: pose,
+        normals: &normals,
+        faces: &topology.faces,
+        uvs: &texture.points,
+        uv_faces: &texture.faces,
+    };
+    bake::bake(&surface, field_sampler(topology, pose, field), options)
 }

@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use plisse::mesh::NONE;
-use plisse::scene::{Built, build, build_growth, read};
+use plisse::scene::{BuiltScene, build, build_growth, read};
 
 /// Vertices of each scene, as its comment or the paper says, and panels.
 const SCENES: [(&str, usize, usize); 11] = [
@@ -40,13 +40,13 @@ fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples")
 }
 
-fn built(name: &str) -> Built {
+fn built(name: &str) -> BuiltScene {
     let scene = read(examples().join(name)).unwrap_or_else(|e| panic!("{e}"));
     build(&scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Vertices that hang together with the first.
-fn reached(built: &Built) -> usize {
+fn reached(built: &BuiltScene) -> usize {
     let mut part: Vec<usize> = (0..built.sheet.topology.vertex_count).collect();
     loop {
         let mut changed = false;

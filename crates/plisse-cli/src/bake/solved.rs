@@ -4,11 +4,11 @@
 use std::path::Path;
 use std::time::Instant;
 
-use plisse::bake::{Surface, bake, field_sampler};
+use plisse::field::{WrinkleField, json};
 use plisse::io::obj;
 use plisse::io::staged::OutputFolder;
-use plisse::mesh::Topology;
-use plisse::mesh::normals::vertex_normals;
+use plisse::mesh::{Chart, Topology, Vec3};
+use plisse::wrinkled::bake_field;
 use plisse::{At, Error, Result};
 
 use super::{Job, refuse};
@@ -16,32 +16,68 @@ use crate::arguments::{OutputArguments, SolveArguments};
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
 
+/// A field on a pose (`[V]`, m) of a surface.
+struct Source<'a> {
+    /// The mesh, for messages.
+    place: &'a Path,
+    topology: &'a Topology,
+    pose: &'a [Vec3],
+    texture: Option<&'a Chart>,
+    field: &'a WrinkleField,
+}
+
 /// Bakes the folder `input` with its base.obj and field.json.
 pub(super) fn folder(job: &mut Job<'_>, input: &Path) -> Result<RunEnd> {
     check_flags(job)?;
-    let path = job.output();
-    baked(job, input, &path)
+    let (mesh_path, field_path) = (input.join("base.obj"), input.join("field.json"));
+    for file in [&mesh_path, &field_path] {
+        if !file.is_file() {
+            let message = format!(
+                "there is no {} in it; give a folder that plisse solve wrote",
+                file.file_name().unwrap_or_default().display()
+            );
+            return Err(Error::value(input.display().to_string(), message));
+        }
+    }
+    let mesh = obj::read(&mesh_path)?;
+    let topology = Topology::new(mesh.positions.len(), mesh.faces).at(&mesh_path)?;
+    let field = json::read(&field_path, &topology)?;
+    let texture = mesh.texture_faces.map(|faces| Chart { points: mesh.texture_coordinates, faces });
+    let source = Source {
+        place: &mesh_path,
+        topology: &topology,
+        pose: &mesh.positions,
+        texture: texture.as_ref(),
+        field: &field,
+    };
+    bake(job, &source)
 }
 
-/// Solves the scene `input` into the folder `solve` beside the maps, then bakes that.
+/// Solves the scene `input` into the folder `solve` beside the maps, then bakes what it found.
 pub(super) fn scene(job: &mut Job<'_>, input: &Path) -> Result<RunEnd> {
     check_flags(job)?;
-    let path = job.output();
-    let solved = path.join("solve");
+    let folder = job.output().join("solve");
     let output = OutputArguments {
-        output: Some(solved.clone()),
+        output: Some(folder.clone()),
         levels: None,
         threads: job.arguments.threads,
         no_picture: true,
         without: Vec::new(),
     };
-    match crate::solve::run(
-        &SolveArguments { scene: input.to_path_buf(), output },
-        job.interrupted,
-    )? {
-        RunEnd::Complete => baked(job, &solved, &path),
-        RunEnd::Interrupted => Ok(RunEnd::Interrupted),
+    let arguments = SolveArguments { scene: input.to_path_buf(), output };
+    let (solved, end) = crate::solve::solve(&arguments, job.interrupted)?;
+    if let RunEnd::Interrupted = end {
+        return Ok(end);
     }
+    let texture = solved.built.texture();
+    let source = Source {
+        place: &folder.join("base.obj"),
+        topology: &solved.built.sheet.topology,
+        pose: &solved.pose,
+        texture: texture.as_ref(),
+        field: &solved.field,
+    };
+    bake(job, &source)
 }
 
 fn check_flags(job: &Job<'_>) -> Result<()> {
@@ -53,43 +89,24 @@ fn check_flags(job: &Job<'_>) -> Result<()> {
     refuse("--time", a.time.is_some(), "a solved field does not move")
 }
 
-fn baked(job: &mut Job<'_>, from: &Path, path: &Path) -> Result<RunEnd> {
-    let (mesh_path, field_path) = (from.join("base.obj"), from.join("field.json"));
-    for file in [&mesh_path, &field_path] {
-        if !file.is_file() {
-            let message = format!(
-                "there is no {} in it; give a folder that plisse solve wrote",
-                file.file_name().unwrap_or_default().display()
-            );
-            return Err(Error::value(from.display().to_string(), message));
-        }
-    }
-    let mesh = obj::read(&mesh_path)?;
-    let place = mesh_path.display().to_string();
-    let topology = Topology::new(mesh.positions.len(), mesh.faces).at(&place)?;
-    let field = plisse::field::json::read(&field_path, &topology)?;
-    let Some(uv_faces) = mesh.texture_faces else {
+/// Bakes `source` and writes its maps.
+fn bake(job: &mut Job<'_>, source: &Source<'_>) -> Result<RunEnd> {
+    let &Source { topology, pose, field, .. } = source;
+    let Some(texture) = source.texture else {
         let message = "its faces have no texture coordinates to bake into; unwrap the mesh that \
             was solved and solve it again";
-        return Err(Error::mesh(place, message));
+        return Err(Error::mesh(source.place.display().to_string(), message));
     };
-    let mut folder = OutputFolder::create(path)?;
+    let path = job.output();
+    let mut folder = OutputFolder::create(&path)?;
     let bars = Bars::new(job.interrupted);
     let spinner = bars.spinner("bake");
     let begun = Instant::now();
-    let normals = vertex_normals(&topology, &mesh.positions);
-    let surface = Surface {
-        positions: &mesh.positions,
-        normals: &normals,
-        faces: &topology.faces,
-        uvs: &mesh.texture_coordinates,
-        uv_faces: &uv_faces,
-    };
-    let maps = bake(&surface, field_sampler(&topology, &mesh.positions, &field), &job.options())?;
+    let maps = bake_field(topology, pose, texture, field, &job.options())?;
     job.report.seconds.bake = begun.elapsed().as_secs_f64();
     job.report.height_scale_m = field.amplitude_m.iter().copied().fold(0.0, f64::max);
     (job.report.vertices, job.report.faces) = (topology.vertex_count, topology.face_count());
     job.write(&mut folder, &maps, None, 0.0)?;
     drop(spinner);
-    job.finish(folder, path)
+    job.finish(folder, &path)
 }

@@ -1,10 +1,11 @@
 //! Effect of each term and correction (figures 4 and 5 of [Chen 2021]), and of the projection of
 //! element Hessians on the minimum that is found.
 
+use plisse::field::FieldOptions;
 use plisse::linalg::PsdProjection;
-use plisse::scene;
+use plisse::scene::{self, BuiltScene, SolvedScene};
 
-use super::solved::{Look, Solution};
+use super::solved::{Figures, Look};
 use super::table::{Cell, count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
 
@@ -17,7 +18,7 @@ const LEFT_OUT: [(&str, Option<&str>); 8] = [
     ("mixed", None),
     ("amplitude-gradient", None),
     ("bending", None),
-    ("relaxed-integrability", None),
+    (FieldOptions::RELAXED_INTEGRABILITY, None),
 ];
 
 pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
@@ -27,12 +28,12 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 }
 
 /// `built` without the term or correction of this name.
-fn without(mut built: scene::Built, name: &str) -> scene::Built {
-    if let Some(terms) = built.field.terms.without(name) {
-        built.field.terms = terms;
-    }
-    built.field.relaxed_integrability &= name != "relaxed-integrability";
-    built
+fn without(built: &BuiltScene, name: &str) -> plisse::Result<BuiltScene> {
+    let field_options = match name {
+        "nothing" => built.field_options.clone(),
+        _ => built.field_options.clone().without(name)?,
+    };
+    Ok(BuiltScene { field_options, ..built.clone() })
 }
 
 fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
@@ -56,7 +57,7 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
     let (pose, base) = study.base(&built)?;
     let mut looks = Vec::new();
     for (name, published) in LEFT_OUT {
-        let solution = study.solve_on(without(built.clone(), name), pose.clone(), base.clone())?;
+        let solution = study.solve_on(without(&built, name)?, pose.clone(), base.clone())?;
         let around = solution.around();
         study.document.row([
             text(name),
@@ -65,13 +66,13 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
             maybe(around, |p| count(p.turns)),
             maybe(published, text),
             fixed(solution.peak_mm(), 2),
-            count(solution.solved.report.iterations),
-            scientific(solution.solved.report.energy_joule),
+            count(solution.field_report.iterations),
+            scientific(solution.field_report.energy_joule),
         ]);
         if looks.len() < 4 {
             let title =
                 if name == "nothing" { "Everything".to_owned() } else { format!("Without {name}") };
-            looks.push(Look::wrinkled(&title, &built, &pose, &solution.solved.field, true));
+            looks.push(Look::wrinkled(&title, &built, &pose, &solution.field, true));
         }
     }
     if let Ok(looks) = <[Look; 4]>::try_from(looks) {
@@ -107,20 +108,17 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
     let (pose, base) = study.base(&built)?;
     let whole = study.solve_on(built.clone(), pose.clone(), base.clone())?;
     study.document.row(drape_row("nothing", &whole));
-    let unrelaxed =
-        study.solve_on(without(built.clone(), "relaxed-integrability"), pose.clone(), base)?;
-    study.document.row(drape_row("relaxed-integrability", &unrelaxed));
+    let unrelaxed = study.solve_on(
+        without(&built, FieldOptions::RELAXED_INTEGRABILITY)?,
+        pose.clone(),
+        base,
+    )?;
+    study.document.row(drape_row(FieldOptions::RELAXED_INTEGRABILITY, &unrelaxed));
     let looks = [
-        Look::wrinkled("Everything", &built, &pose, &whole.solved.field, true),
-        Look::wrinkled("Drawn without v2", &built, &pose, &whole.solved.field, false),
-        Look::wrinkled(
-            "Without relaxed integrability",
-            &built,
-            &pose,
-            &unrelaxed.solved.field,
-            true,
-        ),
-        Look::phase("Its phase", &built, &pose, &unrelaxed.solved.field),
+        Look::wrinkled("Everything", &built, &pose, &whole.field, true),
+        Look::wrinkled("Drawn without v2", &built, &pose, &whole.field, false),
+        Look::wrinkled("Without relaxed integrability", &built, &pose, &unrelaxed.field, true),
+        Look::phase("Its phase", &built, &pose, &unrelaxed.field),
     ];
     study.picture(
         "ablation-drape",
@@ -130,15 +128,15 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
     )
 }
 
-fn drape_row(name: &str, solution: &Solution) -> [Cell; 8] {
+fn drape_row(name: &str, solution: &SolvedScene) -> [Cell; 8] {
     [
         text(name),
         count(solution.vertices()),
         maybe(solution.around(), |p| count(p.turns)),
         fixed(solution.peak_mm(), 2),
-        count(solution.solved.field.wrinkle_free.iter().filter(|free| **free).count()),
-        count(solution.solved.report.iterations),
-        scientific(solution.solved.report.energy_joule),
+        count(solution.field.wrinkle_free.iter().filter(|free| **free).count()),
+        count(solution.field_report.iterations),
+        scientific(solution.field_report.energy_joule),
         none(),
     ]
 }
@@ -166,8 +164,8 @@ fn treatments(study: &mut Study<'_>) -> Result<(), Stop> {
         let (pose, base) = study.base(&built)?;
         let mut row = vec![text(&scene.title)];
         for projection in [PsdProjection::Abs, PsdProjection::Clamp] {
-            built.field.psd_projection = projection;
-            let report = study.solve_on(built.clone(), pose.clone(), base.clone())?.solved.report;
+            built.field_options.psd_projection = projection;
+            let report = study.solve_on(built.clone(), pose.clone(), base.clone())?.field_report;
             row.extend([scientific(report.energy_joule), count(report.iterations)]);
         }
         study.document.row(row);

@@ -1,9 +1,9 @@
 //! Dependence of the field on the structure of the mesh (section 6.3 of [Chen 2021]).
 
 use plisse::scene::schema::Pattern;
-use plisse::scene::{self, Built, Scene};
+use plisse::scene::{self, BuiltScene, Scene};
 
-use super::solved::Look;
+use super::solved::{Figures, Look};
 use super::table::{count, fixed, maybe, none, text};
 use super::{Stop, Study, scenes};
 
@@ -25,7 +25,12 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 }
 
 /// A scene on `columns` × `rows` squares cut by diagonals.
-fn structured(scene: &Scene, pattern: Pattern, columns: usize, rows: usize) -> Result<Built, Stop> {
+fn structured(
+    scene: &Scene,
+    pattern: Pattern,
+    columns: usize,
+    rows: usize,
+) -> Result<BuiltScene, Stop> {
     let mut scene = scene.clone();
     for panel in &mut scene.panel {
         (panel.mesh, panel.columns, panel.rows) = (pattern, Some(columns), Some(rows));
@@ -95,7 +100,7 @@ fn drape(study: &mut Study<'_>) -> Result<(), Stop> {
 /// A mesh of a scene, ready to be solved.
 struct MeshOfScene {
     name: String,
-    built: Built,
+    built: BuiltScene,
     published_waves: Option<i64>,
 }
 
@@ -120,14 +125,14 @@ fn solve_all(
             published_waves.map_or_else(none, count),
             solution.wavelength_mm(),
             fixed(solution.peak_mm(), 3),
-            count(solution.solved.report.iterations),
+            count(solution.field_report.iterations),
         ]);
         if looks.len() < 4 {
             looks.push(Look::wrinkled(
                 &name,
                 &solution.built,
                 &solution.pose,
-                &solution.solved.field,
+                &solution.field,
                 true,
             ));
         }

@@ -2,7 +2,7 @@
 
 use plisse::scene::{self, Scene};
 
-use super::solved::{Look, with_waves_at_half_height};
+use super::solved::{Figures, Look, with_waves_at_half_height};
 use super::table::{Cell, count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
 use crate::report::shell_ending;
@@ -68,15 +68,15 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
             scene.panel[0].edge_length_m = edge;
             scene.panel[0].seed = seed;
             let solution = study.solve(scene::build(&scene)?)?;
-            let (around, report) = (solution.around(), &solution.solved.report);
+            let (around, report) = (solution.around(), &solution.field_report);
             study.document.row([
                 count(solution.vertices()),
                 maybe(around, |p| fixed(p.before_rounding, 2)),
                 maybe(around, |p| count(p.turns)),
                 text(waves),
                 scientific(report.energy_joule),
-                count(solution.base.iterations),
-                fixed(solution.base.seconds, 3),
+                count(solution.base_report.iterations),
+                fixed(solution.base_report.seconds, 3),
                 text(base_seconds),
                 count(report.iterations),
                 fixed(report.field_seconds, 3),
@@ -89,7 +89,7 @@ fn cylinder(study: &mut Study<'_>) -> Result<(), Stop> {
                     &title,
                     &solution.built,
                     &solution.pose,
-                    &solution.solved.field,
+                    &solution.field,
                     true,
                 ));
             }
@@ -138,8 +138,8 @@ fn stretched_sheet(study: &mut Study<'_>) -> Result<(), Stop> {
             if published { count(5) } else { none() },
             fixed(solution.peak_mm(), 4),
             if published { text("0.42 (theory 0.35)") } else { none() },
-            scientific(solution.solved.report.energy_joule),
-            count(solution.solved.report.iterations),
+            scientific(solution.field_report.energy_joule),
+            count(solution.field_report.iterations),
         ]);
     }
     Ok(())
@@ -170,9 +170,9 @@ fn sheared_rectangle(study: &mut Study<'_>) -> Result<(), Stop> {
             count(solution.vertices()),
             maybe(solution.measure(), |waves| fixed(waves, 2)),
             count(25),
-            scientific(solution.solved.report.energy_joule),
-            count(solution.base.iterations),
-            count(solution.solved.report.iterations),
+            scientific(solution.field_report.energy_joule),
+            count(solution.base_report.iterations),
+            count(solution.field_report.iterations),
         ]);
     }
     Ok(())
@@ -217,22 +217,16 @@ fn garment(
             maybe(solution.waves_around(), |n| fixed(n, 1)),
             solution.wavelength_mm(),
             fixed(solution.peak_mm(), 3),
-            scientific(solution.solved.report.energy_joule),
-            count(solution.base.iterations),
-            count(solution.solved.report.iterations),
+            scientific(solution.field_report.energy_joule),
+            count(solution.base_report.iterations),
+            count(solution.field_report.iterations),
             none(),
         ]);
         let title = format!("{} vertices", solution.vertices());
         if looks.is_empty() && vertices.len() == 3 {
             looks.push(Look::mesh("Coarsest base", &solution.built, &solution.pose));
         }
-        looks.push(Look::wrinkled(
-            &title,
-            &solution.built,
-            &solution.pose,
-            &solution.solved.field,
-            true,
-        ));
+        looks.push(Look::wrinkled(&title, &solution.built, &solution.pose, &solution.field, true));
     }
     match <[Look; 4]>::try_from(looks) {
         Ok(looks) => {
@@ -368,7 +362,7 @@ fn shells(
             &format!("Field, {} vertices", solution.vertices()),
             built,
             base,
-            &solution.solved.field,
+            &solution.field,
             true,
         );
         study.picture(

@@ -2,9 +2,9 @@
 //! 2021]).
 
 use plisse::field::{self, ScalingLaw, WrinkleField};
-use plisse::scene::{self, Built};
+use plisse::scene::{self, BuiltScene, SolvedScene};
 
-use super::solved::{Look, Solution, peak_mm};
+use super::solved::{Figures, Look, peak_mm};
 use super::table::{Cell, fixed, none, scientific, text};
 use super::{Stop, Study, scenes};
 
@@ -40,9 +40,9 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
                 text(&scene.title),
                 text(place),
                 median_mm(
-                    visible(built, &solution.solved.field)
+                    visible(built, &solution.field)
                         .filter(|&f| inside(f))
-                        .map(|f| wavelength(built, &solution.solved.field, f)),
+                        .map(|f| wavelength(built, &solution.field, f)),
                 ),
                 median_mm(
                     visible(built, &law.field).filter(|&f| inside(f)).map(|f| law.wavelength_m[f]),
@@ -57,9 +57,9 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
         energies.push(energy_row(&scene, &solution, &law));
         let (built, pose) = (&solution.built, &solution.pose);
         let looks = [
-            Look::wrinkled("Solve", built, pose, &solution.solved.field, true),
+            Look::wrinkled("Solve", built, pose, &solution.field, true),
             Look::wrinkled("Scaling law", built, pose, &law.field, true),
-            Look::phase("Phase of the solve", built, pose, &solution.solved.field),
+            Look::phase("Phase of the solve", built, pose, &solution.field),
             Look::phase("Phase of the law", built, pose, &law.field),
         ];
         study.picture(
@@ -90,32 +90,32 @@ pub(crate) fn run(study: &mut Study<'_>) -> Result<(), Stop> {
 }
 
 /// The law's wrinkles on the same base surface.
-fn law(solution: &Solution) -> Result<ScalingLaw, Stop> {
+fn law(solution: &SolvedScene) -> Result<ScalingLaw, Stop> {
     let built = &solution.built;
     let held = built.clamps.held();
-    Ok(field::scaling_law(&built.sheet, &solution.pose, &held, &built.field)?)
+    Ok(field::scaling_law(&built.sheet, &solution.pose, &held, &built.field_options)?)
 }
 
-fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [Cell; 9] {
+fn energy_row(scene: &scene::Scene, solution: &SolvedScene, law: &ScalingLaw) -> [Cell; 9] {
     let built = &solution.built;
     let energy = |field: &WrinkleField| {
-        let terms = field::energy(&built.sheet, &solution.pose, &built.field, field);
+        let terms = field::energy(&built.sheet, &solution.pose, &built.field_options, field);
         terms.stretching_joule
             + terms.curvature_joule
             + terms.mixed_joule
             + terms.amplitude_gradient_joule
             + terms.bending_joule
     };
-    let mut report = solution.solved.report.clone();
+    let mut report = solution.field_report.clone();
     report.periods.clone_from(&law.periods);
     let waves = |measured: Vec<scene::Measured>| {
         measured.first().map_or_else(none, |measured| fixed(measured.value, 1))
     };
-    let published = solution.measured.first().and_then(|measured| measured.published);
-    let (ours, laws) = (energy(&solution.solved.field), energy(&law.field));
+    let published = solution.measures.first().and_then(|measured| measured.published);
+    let (ours, laws) = (energy(&solution.field), energy(&law.field));
     [
         text(&scene.title),
-        waves(solution.measured.clone()),
+        waves(solution.measures.clone()),
         waves(scene::measure(built, &law.field, &report)),
         published.map_or_else(none, |n| fixed(n, 0)),
         fixed(solution.peak_mm(), 3),
@@ -127,7 +127,7 @@ fn energy_row(scene: &scene::Scene, solution: &Solution, law: &ScalingLaw) -> [C
 }
 
 /// Faces that wrinkle visibly: mean amplitude at least 1 % of the largest.
-fn visible<'a>(built: &'a Built, field: &'a WrinkleField) -> impl Iterator<Item = usize> + 'a {
+fn visible<'a>(built: &'a BuiltScene, field: &'a WrinkleField) -> impl Iterator<Item = usize> + 'a {
     let least = 3.0 * 0.01 * 1e-3 * peak_mm(field);
     let sum = move |f: usize| {
         built.sheet.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).sum::<f64>()
@@ -137,7 +137,7 @@ fn visible<'a>(built: &'a Built, field: &'a WrinkleField) -> impl Iterator<Item 
 }
 
 /// Wavelength (m) of a field on a face.
-fn wavelength(built: &Built, field: &WrinkleField, f: usize) -> f64 {
+fn wavelength(built: &BuiltScene, field: &WrinkleField, f: usize) -> f64 {
     std::f64::consts::TAU / field.frequency(&built.sheet, f).norm()
 }
 

@@ -1,14 +1,16 @@
 //! A scene solved for a study, and how it is drawn.
 
-use plisse::field::{Period, Solved, WrinkleField, solve};
+use std::sync::Arc;
+
+use plisse::field::{Period, WrinkleField};
 use plisse::linalg::Ending;
 use plisse::mesh::{Up, Vec3};
 use plisse::picture::{Paint, PanelView, Subject, write_png};
 use plisse::scene::schema::{MeasureKind, MeasureTable};
-use plisse::scene::{self, Built, Measured, Scene};
+use plisse::scene::{self, BuiltScene, Scene, SolvedScene};
 use plisse::shell::{BaseReport, ReferenceOptions, ReferenceReport, solve_base, solve_reference};
 use plisse::surface::{levels_within, upsample};
-use plisse::wrinkled::Posed;
+use plisse::wrinkled::{PosedField, SurfaceOptions};
 
 use super::stable::StableWatch;
 use super::table::{Cell, Illustration, fixed, none};
@@ -22,49 +24,55 @@ const FACES: usize = 300_000;
 /// Roughness of the reference shell's start, in thicknesses.
 const IMPERFECTION: f64 = 0.1;
 
-/// A scene with its base surface and its field.
-pub(crate) struct Solution {
-    pub(crate) built: Built,
-    pub(crate) pose: Vec<Vec3>,
-    pub(crate) base: BaseReport,
-    pub(crate) solved: Solved,
-    pub(crate) measured: Vec<Measured>,
+/// Figures of a solved scene for the tables.
+pub(crate) trait Figures {
+    fn vertices(&self) -> usize;
+
+    /// Most turns around a loop.
+    fn around(&self) -> Option<Period>;
+
+    /// Largest amplitude (mm).
+    fn peak_mm(&self) -> f64;
+
+    /// Median wavelength (mm) of what wrinkles visibly.
+    fn wavelength_mm(&self) -> Cell;
+
+    /// Waves around, as the scene counts them; else most turns around a loop.
+    fn waves_around(&self) -> Option<f64>;
+
+    /// The first number that the scene asks for.
+    fn measure(&self) -> Option<f64>;
 }
 
-impl Solution {
-    pub(crate) fn vertices(&self) -> usize {
+impl Figures for SolvedScene {
+    fn vertices(&self) -> usize {
         self.pose.len()
     }
 
-    /// Period with the most turns around a loop.
-    pub(crate) fn around(&self) -> Option<Period> {
-        self.solved.report.periods.first().copied()
+    fn around(&self) -> Option<Period> {
+        self.field_report.periods.first().copied()
     }
 
-    /// Largest amplitude (mm).
-    pub(crate) fn peak_mm(&self) -> f64 {
-        peak_mm(&self.solved.field)
+    fn peak_mm(&self) -> f64 {
+        peak_mm(&self.field)
     }
 
-    /// Median wavelength (mm) of what wrinkles visibly.
-    pub(crate) fn wavelength_mm(&self) -> Cell {
-        let summary = self.solved.field.wavelengths(&self.built.sheet);
+    fn wavelength_mm(&self) -> Cell {
+        let summary = self.field.wavelengths(&self.built.sheet);
         summary.map_or_else(none, |summary| fixed(1e3 * summary.median, 2))
     }
 
-    /// Waves around, as the scene counts them; else most turns around a loop.
-    pub(crate) fn waves_around(&self) -> Option<f64> {
+    fn waves_around(&self) -> Option<f64> {
         let asked = self
-            .measured
+            .measures
             .iter()
             .find(|measured| measured.unit == "waves")
             .map(|measured| measured.value);
         asked.or(self.around().map(|period| period.turns as f64))
     }
 
-    /// The first number that the scene asks for.
-    pub(crate) fn measure(&self) -> Option<f64> {
-        self.measured.first().map(|measured| measured.value)
+    fn measure(&self) -> Option<f64> {
+        self.measures.first().map(|measured| measured.value)
     }
 }
 
@@ -93,21 +101,21 @@ pub(crate) fn peak_mm(field: &WrinkleField) -> f64 {
 
 impl Study<'_> {
     /// The base surface and the field of a scene.
-    pub(crate) fn solve(&self, built: Built) -> Result<Solution, Stop> {
+    pub(crate) fn solve(&self, built: BuiltScene) -> Result<SolvedScene, Stop> {
         let (pose, base) = self.base(&built)?;
         self.solve_on(built, pose, base)
     }
 
     /// The base surface of a scene.
-    pub(crate) fn base(&self, built: &Built) -> Result<(Vec<Vec3>, BaseReport), Stop> {
-        self.one_step(|| solve_base(&built.setup(), &built.start, &built.base, self.bars))
+    pub(crate) fn base(&self, built: &BuiltScene) -> Result<(Vec<Vec3>, BaseReport), Stop> {
+        self.one_step(|| solve_base(&built.setup(), &built.start, &built.base_options, self.bars))
     }
 
     /// The base surface of a scene whose mesh may be fine.
     pub(crate) fn base_of(
         &self,
         scene: &Scene,
-        built: &Built,
+        built: &BuiltScene,
     ) -> Result<(Vec<Vec3>, BaseReport), Stop> {
         self.one_step(|| scene::solve_base(scene, built, self.bars))
     }
@@ -124,22 +132,18 @@ impl Study<'_> {
     /// The field of a scene on a base surface.
     pub(crate) fn solve_on(
         &self,
-        built: Built,
+        built: impl Into<Arc<BuiltScene>>,
         pose: Vec<Vec3>,
-        base: BaseReport,
-    ) -> Result<Solution, Stop> {
-        let held = built.clamps.held();
-        let solved =
-            self.one_step(|| solve(&built.sheet, &pose, &held, &built.field, self.bars))?;
-        let measured = scene::measure(&built, &solved.field, &solved.report);
-        Ok(Solution { built, pose, base, solved, measured })
+        base_report: BaseReport,
+    ) -> Result<SolvedScene, Stop> {
+        self.one_step(|| scene::solve_field(built, pose, base_report, self.bars))
     }
 
     /// The reference shell of a scene from its base surface, and after how many seconds it was
     /// stable; also if it was interrupted.
     pub(crate) fn shell(
         &mut self,
-        built: &Built,
+        built: &BuiltScene,
         base: &[Vec3],
     ) -> Result<(Vec<Vec3>, ReferenceReport, f64), Stop> {
         self.check_interrupted()?;
@@ -168,7 +172,7 @@ impl Study<'_> {
         &mut self,
         name: &str,
         caption: &str,
-        built: &Built,
+        built: &BuiltScene,
         looks: &[Look; 4],
     ) -> Result<(), Stop> {
         let spinner = self.bars.spinner("picture");
@@ -198,7 +202,7 @@ enum LookPaint {
 
 impl Look {
     /// A coarse mesh with its edges.
-    pub(crate) fn mesh(title: &str, built: &Built, positions: &[Vec3]) -> Self {
+    pub(crate) fn mesh(title: &str, built: &BuiltScene, positions: &[Vec3]) -> Self {
         Self {
             title: title.to_owned(),
             positions: positions.to_vec(),
@@ -208,21 +212,22 @@ impl Look {
     }
 
     /// A fine mesh.
-    pub(crate) fn cloth(title: &str, built: &Built, positions: &[Vec3]) -> Self {
+    pub(crate) fn cloth(title: &str, built: &BuiltScene, positions: &[Vec3]) -> Self {
         Self { paint: LookPaint::Cloth, ..Self::mesh(title, built, positions) }
     }
 
     /// The surface that `field` wrinkles; `v2`: with the in-plane correction.
     pub(crate) fn wrinkled(
         title: &str,
-        built: &Built,
+        built: &BuiltScene,
         pose: &[Vec3],
         field: &WrinkleField,
         v2: bool,
     ) -> Self {
         let clearance_m = 0.5 * built.sheet.material.thickness_m;
-        let wrinkled = Posed { v1: false, v2, clearance_m, ..built.posed(pose) }
-            .wrinkle(field, levels(built, field));
+        let posed = built.posed_field(pose, field);
+        let options = SurfaceOptions { v1: false, v2, ..posed.options };
+        let wrinkled = PosedField { options, clearance_m, ..posed }.surface(levels(built, field));
         Self {
             title: title.to_owned(),
             positions: wrinkled.positions,
@@ -232,14 +237,14 @@ impl Look {
     }
 
     /// The phase on the base surface.
-    pub(crate) fn phase(title: &str, built: &Built, pose: &[Vec3], field: &WrinkleField) -> Self {
+    pub(crate) fn phase(
+        title: &str,
+        built: &BuiltScene,
+        pose: &[Vec3],
+        field: &WrinkleField,
+    ) -> Self {
         let fine = upsample(&built.sheet, pose, field, levels(built, field));
-        let corners = fine
-            .phase
-            .iter()
-            .zip(&fine.wrinkle_free)
-            .map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase })
-            .collect();
+        let corners = fine.visible_phase();
         Self {
             title: title.to_owned(),
             positions: fine.base,
@@ -263,6 +268,6 @@ impl Look {
 }
 
 /// Subdivisions that show the wrinkles.
-fn levels(built: &Built, field: &WrinkleField) -> usize {
-    built.posed(&[]).levels(field).min(levels_within(&built.sheet.topology, FACES))
+fn levels(built: &BuiltScene, field: &WrinkleField) -> usize {
+    built.posed_field(&[], field).levels().min(levels_within(&built.sheet.topology, FACES))
 }

@@ -6,10 +6,10 @@ use std::path::Path;
 use plisse::At;
 use plisse::field::{FieldOptions, Solved, WrinkleFreeRule, solve};
 use plisse::io::{clamp_file, obj};
-use plisse::scene::{self, Scene};
+use plisse::scene::{self, Scene, SolvedScene};
 use plisse::{Material, RestShape, Sheet};
 
-use super::solved::{Look, Solution, peak_mm, with_waves_at_half_height};
+use super::solved::{Figures, Look, peak_mm, with_waves_at_half_height};
 use super::table::{count, fixed, maybe, none, scientific, text};
 use super::{Stop, Study, scenes};
 use crate::report::shell_ending;
@@ -200,11 +200,11 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
             text(&scene.title),
             count(solution.vertices()),
             text(published.vertices),
-            count(solution.base.iterations),
+            count(solution.base_report.iterations),
             fixed(base_seconds, 3),
             maybe(base, |base| count(base.iterations)),
             maybe(base, |base| fixed(base.seconds, 2)),
-            count(solution.solved.report.iterations),
+            count(solution.field_report.iterations),
             fixed(field_seconds, 3),
             maybe(field, |field| count(field.iterations)),
             maybe(field, |field| fixed(field.seconds, 2)),
@@ -216,17 +216,20 @@ fn base_and_field(study: &mut Study<'_>) -> Result<(), Stop> {
 }
 
 /// A scene solved, and the seconds of its base and field.
-fn timed(study: &Study<'_>, built: scene::Built) -> Result<(Solution, f64, f64), Stop> {
+fn timed(study: &Study<'_>, built: scene::BuiltScene) -> Result<(SolvedScene, f64, f64), Stop> {
     let solution = study.solve(built)?;
     let (mut base, mut field) =
-        (vec![solution.base.seconds], vec![solution.solved.report.field_seconds]);
+        (vec![solution.base_report.seconds], vec![solution.field_report.field_seconds]);
     while base[0] < SHORT && base.len() < RUNS {
         base.push(study.base(&solution.built)?.1.seconds);
     }
     while field[0] < SHORT && field.len() < RUNS {
-        let again =
-            study.solve_on(solution.built.clone(), solution.pose.clone(), solution.base.clone())?;
-        field.push(again.solved.report.field_seconds);
+        let again = study.solve_on(
+            solution.built.clone(),
+            solution.pose.clone(),
+            solution.base_report.clone(),
+        )?;
+        field.push(again.field_report.field_seconds);
     }
     Ok((solution, median(base), median(field)))
 }
@@ -290,7 +293,7 @@ fn one_shell(
         text(&scene.title),
         count(solution.vertices()),
         fixed(field_seconds, 3),
-        maybe(in_waves(&solution.measured), |n| fixed(n, 1)),
+        maybe(in_waves(&solution.measures), |n| fixed(n, 1)),
         count(pose.len()),
         count(equal),
         count(report.iterations),
@@ -308,7 +311,7 @@ fn one_shell(
             &format!("Field, {} vertices", solution.vertices()),
             &solution.built,
             &solution.pose,
-            &solution.solved.field,
+            &solution.field,
             true,
         ),
         Look::mesh("Mesh of the shell", &built, &base),

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use plisse::scene::{Built, Scene, build, build_growth, parse};
+use plisse::scene::{BuiltScene, Scene, build, build_growth, parse};
 use plisse::{Error, Result};
 use plisse_live::model::{Model, Vertices};
 use plisse_live::unify::{Unified, fill_normals, vertex_normals};
@@ -42,7 +42,7 @@ pub struct SceneText {
     /// The scene in it.
     pub scene: Scene,
     /// The built scene, ready for the solvers.
-    pub built: Arc<Built>,
+    pub built: Arc<BuiltScene>,
 }
 
 /// A model that is worked on. It never changes.
@@ -120,7 +120,7 @@ fn diagonal_m(unified: &Unified) -> f32 {
 ///
 /// # Errors
 /// As [`build()`].
-pub fn ready(scene: &Scene) -> Result<Built> {
+pub fn ready(scene: &Scene) -> Result<BuiltScene> {
     build(scene).or_else(|error| match &scene.growth {
         Some(_) => build_growth(scene).map(|grown| grown.built),
         None => Err(error),
@@ -147,7 +147,7 @@ pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
 
 /// The start of a scene as a model, with the scene's own vertices: panels that touch are not
 /// welded.
-fn start_of(built: &Built) -> (Model, Unified) {
+fn start_of(built: &BuiltScene) -> (Model, Unified) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> =
         built.sheet.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use plisse::mesh::Vec3;
+use plisse::scene::SolvedScene;
 
 use crate::document::scene_edit::{Draft, Edit};
 use crate::document::{Document, SceneText, Subject};
@@ -11,7 +12,7 @@ use crate::shell::Shell;
 use crate::view::Solid;
 use crate::viewport::{ShownSurface, Viewport};
 use crate::work::job::{Job, News, Progress, Reporter};
-use crate::work::solve::{Part, SolvedScene, run};
+use crate::work::solve::{Part, run};
 
 /// A scene's solve and its result.
 #[derive(Default)]
@@ -189,6 +190,6 @@ fn solve_note(solved: &SolvedScene, cancelled: bool) -> String {
     }
     format!(
         "solved: {} iterations of the field, energy {:.4e} J",
-        solved.report.iterations, solved.report.energy_joule
+        solved.field_report.iterations, solved.field_report.energy_joule
     )
 }

@@ -2,6 +2,7 @@
 
 use egui::{Button, ComboBox, DragValue, RichText, Ui};
 use plisse::scene::Scene;
+use plisse::scene::SolvedScene;
 
 use super::widgets::{Labels, number, progress};
 use crate::commands::Command;
@@ -9,7 +10,6 @@ use crate::document::Document;
 use crate::document::scene_edit::Edit;
 use crate::fabrics::FABRICS;
 use crate::jobs::physics::Physics;
-use crate::work::solve::SolvedScene;
 
 /// Shows the tab; the commands that were chosen.
 pub(crate) fn panel(ui: &mut Ui, document: &Document, physics: &mut Physics) -> Vec<Command> {
@@ -174,10 +174,10 @@ fn solve(ui: &mut Ui, physics: &mut Physics) -> Option<Command> {
 }
 
 fn result(ui: &mut Ui, solved: &SolvedScene) {
-    let field = &solved.report;
+    let field = &solved.field_report;
     ui.label(format!(
         "base: {} iterations in {:.2} s",
-        solved.base.iterations, solved.base.seconds
+        solved.base_report.iterations, solved.base_report.seconds
     ));
     ui.label(format!(
         "field: {} iterations in {:.2} s",

@@ -10,6 +10,7 @@ use plisse::io::staged::OutputFolder;
 use plisse::io::{glb, obj, ply};
 use plisse::mesh::{Chart, Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;
+use plisse::scene::SolvedScene;
 use plisse::{Error, Result};
 use plisse_live::export::{Fine, check_size, refine, suggest_parts, write_still};
 use plisse_live::live::{LiveOptions, LiveState};
@@ -19,7 +20,6 @@ use plisse_live::{bake, bias};
 
 use super::grow::Grown;
 use super::job::Reporter;
-use super::solve::SolvedScene;
 use crate::document::maps::{paint_map, write_png};
 use crate::document::settings::ProfileChoice;
 use crate::document::subject::shown;
@@ -147,9 +147,8 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
             plain_of(&fine)
         }
         Source::Solved(solved, _) => {
-            let posed = solved.built.posed(&solved.pose);
-            let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
-            plain(&wrinkled.fine.topology, &wrinkled.positions)
+            let surface = solved.surface(None);
+            plain(&surface.fine.topology, &surface.positions)
         }
         Source::Grown(grown, document) if document.subject.scene.is_some() => {
             plain(&grown.topology, &grown.pose)

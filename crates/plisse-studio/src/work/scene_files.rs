@@ -3,11 +3,11 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use plisse::field::solve;
 use plisse::io::staged::OutputFolder;
-use plisse::mesh::Up;
 use plisse::progress::Observer;
+use plisse::scene::{solve_base, solve_field};
 use plisse::{Error, Result};
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
@@ -34,10 +34,9 @@ pub fn write<T: Send>(
     out.write("scene.toml", |file| file.write_all(text.as_bytes()))?;
     reporter.stage("base surface", Some(0.1));
     // From the scene's own start: the window's solve may have started elsewhere.
-    let built = &scene.built;
-    let (pose, _) = plisse::scene::solve_base(&scene.scene, built, reporter)?;
+    let (pose, report) = solve_base(&scene.scene, &scene.built, reporter)?;
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(&built.sheet, &pose, &built.clamps.held(), &built.field, reporter)?;
+    let solved = solve_field(Arc::clone(&scene.built), pose, report, reporter)?;
     if reporter.cancelled() {
         return Err(Error::value(
             "export",
@@ -45,9 +44,7 @@ pub fn write<T: Send>(
         ));
     }
     reporter.stage("files", Some(0.8));
-    let posed = built.posed(&pose);
-    let wrinkled = posed.wrinkle(&solved.field, posed.levels(&solved.field));
-    posed.write(&mut out, &solved.field, &wrinkled, Up::Z)?;
+    solved.write(&mut out)?;
     out.commit()
 }
 

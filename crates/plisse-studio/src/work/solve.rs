@@ -7,15 +7,15 @@
 use std::sync::Arc;
 
 use plisse::Result;
-use plisse::field::{FieldReport, WrinkleField, solve};
+use plisse::field::WrinkleField;
 use plisse::linalg::Ending;
 use plisse::mesh::{Topology, Vec3};
 use plisse::progress::Observer;
-use plisse::scene::{Built, Measured, measure};
-use plisse::shell::{BaseOptions, BaseReport, solve_base};
+use plisse::scene::{BuiltScene, SolvedScene, solve_field};
+use plisse::shell::{BaseOptions, solve_base};
 use plisse::strain::strain;
 use plisse::surface::levels_within;
-use plisse::wrinkled::Wrinkled;
+use plisse::wrinkled::WrinkledSurface;
 use plisse_live::field::{Waves, from_field};
 use plisse_live::render::Corner;
 use plisse_live::skin::Skinned;
@@ -31,25 +31,6 @@ const FIRST_BOUT: usize = 6;
 /// Most faces of a fine surface that is only shown.
 const MOST_FACES: usize = 150_000;
 
-/// A solved scene.
-#[derive(Clone, Debug)]
-pub struct SolvedScene {
-    /// The scene.
-    pub built: Arc<Built>,
-    /// `[V]` base surface (m).
-    pub pose: Vec<Vec3>,
-    /// Report of the base solve.
-    pub base: BaseReport,
-    /// Its wrinkle field.
-    pub field: WrinkleField,
-    /// Report of the field's solve.
-    pub report: FieldReport,
-    /// The fine wrinkled surface, as it is shown.
-    pub wrinkled: Wrinkled,
-    /// The scene's measures.
-    pub measures: Vec<Measured>,
-}
-
 /// A part of the result of a solve.
 #[derive(Clone)]
 pub enum Part {
@@ -62,19 +43,24 @@ pub enum Part {
 /// Solves `built`, from the pose `start` (`[V]`, m) if there is one.
 ///
 /// # Errors
-/// As [`solve_base`] and [`solve`].
-pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>) -> Result<Part> {
+/// As [`solve_base`] and [`solve_field`].
+pub fn run(
+    built: &Arc<BuiltScene>,
+    start: Option<&[Vec3]>,
+    reporter: &Reporter<Part>,
+) -> Result<Part> {
     reporter.stage("base surface", Some(0.0));
     let mut pose = start.map_or_else(|| built.start.clone(), <[Vec3]>::to_vec);
     let (mut bout, mut spent, mut seconds) = (FIRST_BOUT, 0, 0.0);
     let base = loop {
-        let limit = bout.min(built.base.iteration_limit.saturating_sub(spent)).max(1);
-        let options = BaseOptions { iteration_limit: limit, ..built.base.clone() };
+        let limit = bout.min(built.base_options.iteration_limit.saturating_sub(spent)).max(1);
+        let options = BaseOptions { iteration_limit: limit, ..built.base_options.clone() };
         let (next, mut report) = solve_base(&built.setup(), &pose, &options, reporter)?;
         (pose, spent) = (next, spent + report.iterations);
         seconds += report.seconds;
         (report.iterations, report.seconds) = (spent, seconds);
-        let ended = report.ending != Ending::IterationLimit || spent >= built.base.iteration_limit;
+        let ended =
+            report.ending != Ending::IterationLimit || spent >= built.base_options.iteration_limit;
         reporter.part(Part::Pose(Arc::new(look(built, &pose, None, None)), Arc::new(pose.clone())));
         if ended {
             break report;
@@ -82,35 +68,25 @@ pub fn run(built: &Arc<Built>, start: Option<&[Vec3]>, reporter: &Reporter<Part>
         bout *= 2;
     };
     reporter.stage("wrinkle field", Some(0.5));
-    let solved = solve(&built.sheet, &pose, &built.clamps.held(), &built.field, reporter)?;
+    let solved = solve_field(Arc::clone(built), pose, base, reporter)?;
     reporter.stage("fine surface", Some(0.9));
-    let posed = built.posed(&pose);
+    let posed = solved.posed_field();
     let levels = if reporter.cancelled() {
         0
     } else {
-        posed.levels(&solved.field).min(levels_within(&built.sheet.topology, MOST_FACES))
+        posed.levels().min(levels_within(&built.sheet.topology, MOST_FACES))
     };
-    let wrinkled = posed.wrinkle(&solved.field, levels);
-    let solid = look(built, &pose, Some(&solved.field), Some(&wrinkled));
-    let measures = measure(built, &solved.field, &solved.report);
-    let scene = SolvedScene {
-        built: Arc::clone(built),
-        pose,
-        base,
-        field: solved.field,
-        report: solved.report,
-        wrinkled,
-        measures,
-    };
-    Ok(Part::Whole(Arc::new(solid), Arc::new(scene)))
+    let surface = posed.surface(levels);
+    let solid = look(built, &solved.pose, Some(&solved.field), Some(&surface));
+    Ok(Part::Whole(Arc::new(solid), Arc::new(solved)))
 }
 
 /// The surface to show for a pose, with its field and its fine surface, as far as they are known.
 fn look(
-    built: &Built,
+    built: &BuiltScene,
     pose: &[Vec3],
     field: Option<&WrinkleField>,
-    wrinkled: Option<&Wrinkled>,
+    surface: Option<&WrinkledSurface>,
 ) -> Solid {
     let posed = seen(pose, &built.sheet.topology);
     let waves = field.map_or_else(
@@ -126,9 +102,9 @@ fn look(
         .iter()
         .map(|s| ordered(s.principal.map(lengths)))
         .collect();
-    let fine = wrinkled.map(|wrinkled| {
-        let topology = &wrinkled.fine.topology;
-        corners(topology, &seen(&wrinkled.positions, topology), None)
+    let fine = surface.map(|surface| {
+        let topology = &surface.fine.topology;
+        corners(topology, &seen(&surface.positions, topology), None)
     });
     Solid { strain, fine, ..solid(&built.sheet.topology, posed, &waves) }
 }

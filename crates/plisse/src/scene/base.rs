@@ -8,8 +8,8 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::query::PointQueryWithLocation;
 use parry3d_f64::shape::TriMesh;
 
-use super::build::Built;
-use super::laid::BuiltPanel;
+use super::build::BuiltScene;
+use super::placed::PlacedPanel;
 use super::resolution::with_vertices;
 use super::schema::Scene;
 use crate::mesh::Vec3;
@@ -29,7 +29,7 @@ const COARSE: usize = 2000;
 /// Those of [`shell::solve_base`].
 pub fn solve_base(
     scene: &Scene,
-    built: &Built,
+    built: &BuiltScene,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, BaseReport)> {
     solve_base_by_way(scene, built, [FINE, COARSE], observer)
@@ -62,7 +62,7 @@ pub fn base_notes(base: &BaseReport) -> Vec<String> {
 
 fn solve_base_by_way(
     scene: &Scene,
-    built: &Built,
+    built: &BuiltScene,
     [fine, coarse]: [usize; 2],
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, BaseReport)> {
@@ -72,21 +72,29 @@ fn solve_base_by_way(
             return Ok(found);
         }
     }
-    shell::solve_base(&built.setup(), &built.start, &built.base, observer)
+    shell::solve_base(&built.setup(), &built.start, &built.base_options, observer)
 }
 
 /// The base surface of `built`, from that of a mesh of `scene` with about so many `vertices` on.
 fn from_coarse(
     scene: &Scene,
     vertices: usize,
-    built: &Built,
+    built: &BuiltScene,
     observer: &dyn Observer,
 ) -> Result<(Vec<Vec3>, BaseReport)> {
     let (_, coarse) = with_vertices(scene, vertices)?;
-    let (pose, first) =
-        shell::solve_base(&coarse.setup(), &coarse.start, &coarse.base, &Renamed(observer))?;
-    let (pose, mut report) =
-        shell::solve_base(&built.setup(), &carried(&coarse, &pose, built)?, &built.base, observer)?;
+    let (pose, first) = shell::solve_base(
+        &coarse.setup(),
+        &coarse.start,
+        &coarse.base_options,
+        &Renamed(observer),
+    )?;
+    let (pose, mut report) = shell::solve_base(
+        &built.setup(),
+        &carried(&coarse, &pose, built)?,
+        &built.base_options,
+        observer,
+    )?;
     report.seconds += first.seconds;
     // What began inside an obstacle did so because coarse faces are flat.
     report.resolved_faces.clear();
@@ -109,7 +117,7 @@ impl Observer for Renamed<'_> {
 /// `pose` (`[V]` of `coarse`, m) on the mesh of `fine`: each rest vertex goes where the coarse face
 /// that is nearest to it in its panel takes it, also a little beyond that face's sides. Where
 /// panels are sewn, the mean of both. Both meshes are of one scene's panels.
-fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
+fn carried(coarse: &BuiltScene, pose: &[Vec3], fine: &BuiltScene) -> Result<Vec<Vec3>> {
     let mut vertex_of_rest = vec![usize::MAX; fine.sheet.rest_shape.positions.len()];
     for (rest_face, face) in fine.sheet.rest_shape.faces.iter().zip(&fine.sheet.topology.faces) {
         rest_face.iter().zip(face).for_each(|(&r, &v)| vertex_of_rest[r] = v);
@@ -141,7 +149,7 @@ fn carried(coarse: &Built, pose: &[Vec3], fine: &Built) -> Result<Vec<Vec3>> {
 }
 
 /// The rest shape of a panel; its n-th triangle is the panel's n-th face.
-fn rest_surface(built: &Built, panel: &BuiltPanel) -> Result<TriMesh> {
+fn rest_surface(built: &BuiltScene, panel: &PlacedPanel) -> Result<TriMesh> {
     let first = panel.rest_vertices.start;
     let positions = built.sheet.rest_shape.positions[panel.rest_vertices.clone()]
         .iter()
@@ -217,7 +225,7 @@ mod tests {
     fn fine_meshes_come_to_the_same_base_by_way_of_a_coarse_one_and_sooner() {
         let (scene, built) = with_vertices(&parse("sheets.toml", SHEETS).unwrap(), 2500).unwrap();
         let (direct, report) =
-            shell::solve_base(&built.setup(), &built.start, &built.base, &Silent).unwrap();
+            shell::solve_base(&built.setup(), &built.start, &built.base_options, &Silent).unwrap();
         let (by_way, shorter) = solve_base_by_way(&scene, &built, [2000, 300], &Silent).unwrap();
         let apart = direct.iter().zip(&by_way).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         assert!(apart < 1e-3, "{apart} m apart");

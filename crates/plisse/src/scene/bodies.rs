@@ -175,10 +175,10 @@ fn obstacle(scene: &Scene, place: &str, table: &ObstacleTable) -> Result<Obstacl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Built, build, parse};
+    use crate::scene::{BuiltScene, build, parse};
 
     /// A sheet above what `obstacles` says; nothing holds it.
-    fn built_at(path: &str, obstacles: &str) -> Result<Built> {
+    fn built_at(path: &str, obstacles: &str) -> Result<BuiltScene> {
         let text = format!(
             "title = \"t\"\n[material]\nyoung_pa = 1e6\npoisson = 0.3\nthickness_m = \
              1e-3\ndensity_kg_m3 = 400\n\
@@ -189,7 +189,7 @@ mod tests {
         build(&parse(path, &text)?)
     }
 
-    fn built(obstacles: &str) -> Result<Built> {
+    fn built(obstacles: &str) -> Result<BuiltScene> {
         built_at("s.toml", obstacles)
     }
 

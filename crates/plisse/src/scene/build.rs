@@ -1,18 +1,18 @@
-//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), laid into
+//! From a scene to what the solvers take: panels are cut and sewn (or a mesh is read), placed into
 //! space, held and pushed.
 
-use super::laid::{BuiltPanel, Laid};
+use super::placed::{PlacedPanel, PlacedSurface};
 use super::probe::{self, Probe};
 use super::schema::Scene;
 use super::{bodies, garment, hold, maps, options, panels};
-use crate::field::FieldOptions;
+use crate::field::{FieldOptions, WrinkleField};
 use crate::mesh::islands::panel_texture;
 use crate::mesh::{Chart, Vec3};
 use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::sheet::Sheet;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
-use crate::wrinkled::Posed;
+use crate::wrinkled::{PosedField, SurfaceOptions};
 use crate::{At, Result};
 
 /// Thickness of contact if the scene gives none, relative to the size of the start pose.
@@ -23,7 +23,7 @@ const CLEARANCE: f64 = 0.25;
 
 /// A scene made ready for the solvers. V vertices, F faces, R ≥ V rest vertices.
 #[derive(Clone, Debug)]
-pub struct Built {
+pub struct BuiltScene {
     /// Name of the scene.
     pub title: String,
     /// Published results, in words; may be empty.
@@ -43,26 +43,22 @@ pub struct Built {
     /// Distance to obstacles (m) below which contact pushes back.
     pub contact_thickness_m: f64,
     /// Options of the base solve.
-    pub base: BaseOptions,
+    pub base_options: BaseOptions,
     /// Options of the field's solve.
-    pub field: FieldOptions,
-    /// Subdivisions of the displaced surface; `None`: choose by the wavelength.
-    pub levels: Option<usize>,
-    /// True if the surface is displaced by v₁.
-    pub v1: bool,
-    /// True if the surface is displaced by v₂.
-    pub v2: bool,
+    pub field_options: FieldOptions,
+    /// Options of the wrinkled surface.
+    pub surface_options: SurfaceOptions,
     /// Measures, for [`super::measure`](fn@super::measure).
     pub probes: Vec<Probe>,
     /// The panels, in the scene's order; none if the scene has a mesh.
-    pub panels: Vec<BuiltPanel>,
+    pub panels: Vec<PlacedPanel>,
     /// Texture coordinates (v up), if the mesh's files gave them or some panel is closed.
     pub texture: Option<Chart>,
     /// Notes of the readers of files on what they skipped or fixed, a sentence each.
     pub notes: Vec<String>,
 }
 
-impl Built {
+impl BuiltScene {
     /// The input of the base solve and the reference shell.
     pub fn setup(&self) -> Setup<'_> {
         Setup {
@@ -74,18 +70,15 @@ impl Built {
             contact_pressure_pa: 0.0,
         }
     }
-}
 
-impl Built {
-    /// The scene's surface in `pose` (`[V]`, m), to be wrinkled and written.
-    pub fn posed<'a>(&'a self, pose: &'a [Vec3]) -> Posed<'a> {
-        Posed {
+    /// The wrinkle field `field` on the scene's sheet in `pose` (`[V]`, m), to be displaced and
+    /// written.
+    pub fn posed_field<'a>(&'a self, pose: &'a [Vec3], field: &'a WrinkleField) -> PosedField<'a> {
+        PosedField {
             sheet: &self.sheet,
             pose,
-            curvature_rings: self.field.curvature_rings,
-            levels: self.levels,
-            v1: self.v1,
-            v2: self.v2,
+            field,
+            options: self.surface_options,
             obstacles: &self.obstacles,
             clearance_m: CLEARANCE * self.contact_thickness_m,
             texture: self.texture(),
@@ -114,45 +107,50 @@ impl Built {
 /// [`Panel::new`]: crate::mesh::panel::Panel::new
 /// [`sew`]: crate::mesh::sew::sew
 /// [`garment::read`]: crate::io::garment::read
-pub fn build(scene: &Scene) -> Result<Built> {
+pub fn build(scene: &Scene) -> Result<BuiltScene> {
     build_unplaced(scene).at(&scene.file)
 }
 
-fn build_unplaced(scene: &Scene) -> Result<Built> {
-    let laid = lay(scene)?;
-    let mut rest = RestMetric::from_shape(&laid.rest_shape.positions, &laid.rest_shape.faces)
+fn build_unplaced(scene: &Scene) -> Result<BuiltScene> {
+    let placed = place_surface(scene)?;
+    let mut rest = RestMetric::from_shape(&placed.rest_shape.positions, &placed.rest_shape.faces)
         .at(&scene.file)?;
     if let Some(table) = &scene.growth {
-        rest = maps::expansion(scene, table, &laid)?.act_on(&laid.topology, &laid.start, &rest)?;
+        rest = maps::expansion(scene, table, &placed)?.act_on(
+            &placed.topology,
+            &placed.start,
+            &rest,
+        )?;
     }
-    let clamps = hold::clamps(scene, &laid)?;
-    let loads = hold::loads(scene, &laid)?;
-    hold::check_held(scene, &laid, &rest, &clamps, &loads)?;
-    assemble(scene, laid, rest, clamps, loads)
+    let clamps = hold::clamps(scene, &placed)?;
+    let loads = hold::loads(scene, &placed)?;
+    hold::check_held(scene, &placed, &rest, &clamps, &loads)?;
+    assemble(scene, placed, rest, clamps, loads)
 }
 
 /// The surface in space.
-pub(super) fn lay(scene: &Scene) -> Result<Laid> {
-    let mut laid = match &scene.mesh {
-        Some(table) => garment::lay(scene, table)?,
-        None => panels::lay(scene)?,
+pub(super) fn place_surface(scene: &Scene) -> Result<PlacedSurface> {
+    let mut placed = match &scene.mesh {
+        Some(table) => garment::place_surface(scene, table)?,
+        None => panels::place_surface(scene)?,
     };
     if scene.load.pressure_pa != 0.0 {
-        laid.check_closed()?;
-        laid.turn_outside_out(&scene.file.display().to_string())?;
+        placed.check_closed()?;
+        placed.turn_outside_out(&scene.file.display().to_string())?;
     }
-    Ok(laid)
+    Ok(placed)
 }
 
 /// All that is left to make of the scene.
 pub(super) fn assemble(
     scene: &Scene,
-    laid: Laid,
+    placed: PlacedSurface,
     rest: RestMetric,
     clamps: Clamps,
     loads: Loads,
-) -> Result<Built> {
-    Ok(Built {
+) -> Result<BuiltScene> {
+    let field_options = options::field_options(scene)?;
+    Ok(BuiltScene {
         title: scene.title.clone(),
         paper: scene.paper.clone(),
         clamps,
@@ -161,23 +159,21 @@ pub(super) fn assemble(
         contact_thickness_m: scene
             .contact
             .thickness_m
-            .unwrap_or_else(|| CONTACT_THICKNESS * laid.size()),
-        base: options::base_options(scene),
-        field: options::field_options(scene)?,
-        levels: scene.surface.levels,
-        v1: scene.surface.v1,
-        v2: scene.surface.v2,
-        probes: probe::probes(scene, &laid)?,
+            .unwrap_or_else(|| CONTACT_THICKNESS * placed.size()),
+        base_options: options::base_options(scene),
+        surface_options: options::surface_options(scene, &field_options),
+        field_options,
+        probes: probe::probes(scene, &placed)?,
         sheet: Sheet {
-            topology: laid.topology,
-            rest_shape: laid.rest_shape,
+            topology: placed.topology,
+            rest_shape: placed.rest_shape,
             rest,
             material: options::material(scene)?,
         },
-        start: laid.start,
-        panels: laid.panels,
-        texture: laid.texture,
-        notes: laid.notes,
+        start: placed.start,
+        panels: placed.panels,
+        texture: placed.texture,
+        notes: placed.notes,
     })
 }
 
@@ -197,7 +193,7 @@ mod tests {
     "#
     );
 
-    fn built(more: &str) -> Result<Built> {
+    fn built(more: &str) -> Result<BuiltScene> {
         build(&parse("s.toml", &format!("{SHEET}\n{more}")).unwrap())
     }
 
@@ -205,7 +201,7 @@ mod tests {
         built(more).unwrap_err().to_string()
     }
 
-    fn example(name: &str) -> Built {
+    fn example(name: &str) -> BuiltScene {
         build(&read(format!("{}/../../examples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap())
             .unwrap()
     }
@@ -245,7 +241,7 @@ mod tests {
             assert!((Vec3::new(x, y, z) - expected).norm() < 1e-12);
         }
         assert_eq!(held, [26, 26]);
-        assert_eq!((b.levels, b.v1, b.v2, b.panels.len()), (None, false, true, 1));
+        assert_eq!((b.surface_options, b.panels.len()), (SurfaceOptions::default(), 1));
         assert_eq!(b.panels[0].faces, 0..b.sheet.topology.face_count());
         assert_eq!(b.panels[0].rest_vertices, 0..b.sheet.rest_shape.positions.len());
     }
@@ -393,7 +389,7 @@ mod tests {
         let clamp = "[[clamp]]\nside = \"p.left\"\n";
         let b = built(clamp).unwrap();
         assert_eq!(
-            (b.base.iteration_limit, b.field.rule),
+            (b.base_options.iteration_limit, b.field_options.rule),
             (BaseOptions::default().iteration_limit, FieldOptions::default().rule)
         );
         let more = "[base]\ncompressive_stiffness = 0.25\niteration_limit = \
@@ -402,18 +398,26 @@ mod tests {
             2\niteration_limit = 9\n\
             [surface]\nlevels = 3\nv1 = true\nv2 = false\n";
         let b = built(&format!("{clamp}{more}")).unwrap();
-        assert_eq!((b.base.compressive_stiffness, b.base.iteration_limit), (0.25, 7));
         assert_eq!(
-            (b.field.rule, b.field.curvature_rings, b.field.iteration_limit),
+            (b.base_options.compressive_stiffness, b.base_options.iteration_limit),
+            (0.25, 7)
+        );
+        assert_eq!(
+            (
+                b.field_options.rule,
+                b.field_options.curvature_rings,
+                b.field_options.iteration_limit
+            ),
             (WrinkleFreeRule::Published, 2, 9)
         );
         assert!(
-            !b.field.terms.v1
-                && !b.field.terms.mixed
-                && b.field.terms.v2
-                && !b.field.relaxed_integrability
+            !b.field_options.terms.v1
+                && !b.field_options.terms.mixed
+                && b.field_options.terms.v2
+                && !b.field_options.relaxed_integrability
         );
-        assert_eq!((b.levels, b.v1, b.v2), (Some(3), true, false));
+        let expected = SurfaceOptions { levels: Some(3), v1: true, v2: false, curvature_rings: 2 };
+        assert_eq!(b.surface_options, expected);
         assert_eq!(b.sheet.material, Material::new(1e7, 0.3, 1e-4).unwrap());
     }
 

@@ -1,6 +1,6 @@
 //! Panels that are closed surfaces: a sphere or a torus, whose rest shape is itself.
 
-use super::laid::BuiltPanel;
+use super::placed::PlacedPanel;
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape};
 use super::value::positive;
 use crate::mesh::Chart;
@@ -53,7 +53,7 @@ pub(super) fn cut(place: &str, table: &PanelTable) -> Result<Closed> {
 /// (m) of all panels, if there is a closed one.
 pub(super) fn shape(
     scene: &Scene,
-    panels: &[BuiltPanel],
+    panels: &[PlacedPanel],
     rest_positions: &mut [Vec3],
     rest_faces: &[[usize; 3]],
 ) -> Result<Option<Chart>> {
@@ -83,9 +83,9 @@ pub(super) fn shape(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Built, build, parse};
+    use crate::scene::{BuiltScene, build, parse};
 
-    fn built(panel: &str, more: &str) -> Result<Built> {
+    fn built(panel: &str, more: &str) -> Result<BuiltScene> {
         let head =
             "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
         build(&parse("s.toml", &format!("{head}[[panel]]\nname = \"p\"\n{panel}\n{more}"))?)

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::laid::Laid;
+use super::placed::PlacedSurface;
 use super::schema::{MeshTable, Scene};
 use super::value::{not_blank_path, positive};
 use crate::io::garment::{self, RestSource};
@@ -61,10 +61,10 @@ pub(super) fn check(table: &MeshTable) -> Result<()> {
 }
 
 /// The surface, read from its files.
-pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
+pub(super) fn place_surface(scene: &Scene, table: &MeshTable) -> Result<PlacedSurface> {
     let Some(worn_path) = &table.worn else {
         let path = scene.beside(table.start.as_deref().unwrap_or(&scene.file));
-        return lay_start(&path, table.metres_per_unit).at("mesh.start");
+        return place_start(&path, table.metres_per_unit).at("mesh.start");
     };
     let rest_path = table.rest.as_deref().map(|rest| scene.beside(rest));
     let rest = match &rest_path {
@@ -77,7 +77,7 @@ pub(super) fn lay(scene: &Scene, table: &MeshTable) -> Result<Laid> {
             matches!(&error, Error::File { path, .. } if Some(path) == rest_path.as_ref());
         error.at(if is_rest { "mesh.rest" } else { "mesh.worn" })
     })?;
-    Ok(Laid {
+    Ok(PlacedSurface {
         topology: garment.topology,
         rest_shape: garment.rest_shape,
         start: garment.positions,
@@ -135,7 +135,7 @@ fn read_start(path: &Path) -> Result<Start> {
 }
 
 /// The mesh at `path`, at rest where it is.
-fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
+fn place_start(path: &Path, metres_per_unit: f64) -> Result<PlacedSurface> {
     let name = path.display().to_string();
     let start = read_start(path)?;
     check_rest_faces(&start.positions, &start.faces).at(&name)?;
@@ -156,7 +156,7 @@ fn lay_start(path: &Path, metres_per_unit: f64) -> Result<Laid> {
     if start.cut > 0 {
         notes.push(format!("{} polygons of {name} were cut into triangles", start.cut));
     }
-    Ok(Laid {
+    Ok(PlacedSurface {
         attributes: attributes.collect(),
         rest_shape: RestShape { positions: positions.clone(), faces: topology.faces.clone() },
         start: positions,
@@ -177,7 +177,7 @@ mod tests {
 
     use super::*;
     use crate::mesh::Vec3;
-    use crate::scene::{Built, build, parse};
+    use crate::scene::{BuiltScene, build, parse};
 
     /// A tube as a pattern program exports it: a flat strip, worn around the z axis with a slit of
     /// double vertices. Centimetres.
@@ -234,7 +234,7 @@ mod tests {
             Self { folder }
         }
 
-        fn built(&self, mesh: &str, more: &str) -> Result<Built> {
+        fn built(&self, mesh: &str, more: &str) -> Result<BuiltScene> {
             let text = format!(
                 "title = \"t\"\n[material]\nyoung_pa = 1e6\npoisson = 0.3\nthickness_m = \
                  1e-3\ndensity_kg_m3 = 400\n\
@@ -377,14 +377,14 @@ mod tests {
         }
         let colours = "v 0 0 0 0.5 1 0\nv 1 0 0 0.25 0 0\nv 0 1 0 1 0.125 0\nf 1 2 3\n";
         std::fs::write(tube.folder.join("a.obj"), colours).unwrap();
-        let laid = lay_start(&tube.folder.join("a.obj"), 2.0).unwrap();
+        let placed = place_start(&tube.folder.join("a.obj"), 2.0).unwrap();
         assert_eq!(
-            (laid.attributes.len(), &laid.attributes[0].1, laid.start[1].x),
+            (placed.attributes.len(), &placed.attributes[0].1, placed.start[1].x),
             (3, &vec![0.5, 0.25, 1.0], 2.0)
         );
         std::fs::write(tube.folder.join("a.obj"), colours.replace("0 1 0 1 0.125 0", "0 1 0 1"))
             .unwrap();
-        assert!(lay_start(&tube.folder.join("a.obj"), 2.0).unwrap().attributes.is_empty());
+        assert!(place_start(&tube.folder.join("a.obj"), 2.0).unwrap().attributes.is_empty());
         let refused = |mesh: &str| built(mesh).unwrap_err().to_string();
         assert!(refused("metres_per_unit = 1").contains("s.toml, mesh: this names no file"));
         assert!(

@@ -1,6 +1,6 @@
 //! Clamps, loads and forces of a scene on its vertices, and the check that they hold the surface.
 
-use super::laid::{Laid, shown};
+use super::placed::{PlacedSurface, shown};
 use super::schema::{BoxTable, ClampTable, ForceTable, Scene};
 use super::value::{angle, direction, in_reach};
 use crate::mesh::Vec3;
@@ -95,20 +95,20 @@ impl<'a> Grip<'a> {
     pub(super) fn vertices(
         &self,
         scene: &Scene,
-        laid: &Laid,
+        placed: &PlacedSurface,
         place: &str,
     ) -> Result<Vec<(usize, f64)>> {
         match self {
             Self::Side(reference) => {
-                let side = laid.side(scene, &format!("{place}.side"), reference)?;
+                let side = placed.side(scene, &format!("{place}.side"), reference)?;
                 let rest = &side.rest_vertices;
                 let edges = if side.closed { rest.len() } else { rest.len() - 1 };
                 let mut shares = vec![0.0; rest.len()];
                 for k in 0..edges {
                     let next = (k + 1) % rest.len();
                     let half = 0.5
-                        * (laid.rest_shape.positions[rest[next]]
-                            - laid.rest_shape.positions[rest[k]])
+                        * (placed.rest_shape.positions[rest[next]]
+                            - placed.rest_shape.positions[rest[k]])
                             .norm();
                     shares[k] += half;
                     shares[next] += half;
@@ -117,25 +117,25 @@ impl<'a> Grip<'a> {
                 Ok(rest
                     .iter()
                     .zip(shares)
-                    .map(|(&r, share)| (laid.vertex_of_rest[r], share / length))
+                    .map(|(&r, share)| (placed.vertex_of_rest[r], share / length))
                     .collect())
             }
             Self::Near(point) => {
                 let point = Vec3::from(*point);
-                let distance = |v: &usize| (laid.start[*v] - point).norm_squared();
+                let distance = |v: &usize| (placed.start[*v] - point).norm_squared();
                 let nearest =
-                    (0..laid.start.len()).min_by(|u, v| distance(u).total_cmp(&distance(v)));
+                    (0..placed.start.len()).min_by(|u, v| distance(u).total_cmp(&distance(v)));
                 Ok(nearest.into_iter().map(|v| (v, 1.0)).collect())
             }
             Self::Within(BoxTable { low, high }) => {
-                let tolerance = Vec3::repeat(BOX_TOLERANCE * laid.size());
+                let tolerance = Vec3::repeat(BOX_TOLERANCE * placed.size());
                 let (low, high) = (Vec3::from(*low) - tolerance, Vec3::from(*high) + tolerance);
                 let inside = |v: &usize| {
-                    (0..3).all(|axis| (low[axis]..=high[axis]).contains(&laid.start[*v][axis]))
+                    (0..3).all(|axis| (low[axis]..=high[axis]).contains(&placed.start[*v][axis]))
                 };
-                let vertices: Vec<usize> = (0..laid.start.len()).filter(inside).collect();
+                let vertices: Vec<usize> = (0..placed.start.len()).filter(inside).collect();
                 if vertices.is_empty() {
-                    let [from, to] = laid.extent().map(shown);
+                    let [from, to] = placed.extent().map(shown);
                     let message = format!(
                         "no vertex starts in this box; the start pose extends from {from} to {to} \
                          m, so choose a box there"
@@ -183,16 +183,16 @@ pub(super) fn check_axes(place: &str, axes: &str) -> Result<()> {
 }
 
 /// The targets of the scene's clamps.
-pub(super) fn clamps(scene: &Scene, laid: &Laid) -> Result<Clamps> {
-    let vertex_count = laid.topology.vertex_count;
-    let tolerance_m = CLAMP_TOLERANCE * laid.size();
+pub(super) fn clamps(scene: &Scene, placed: &PlacedSurface) -> Result<Clamps> {
+    let vertex_count = placed.topology.vertex_count;
+    let tolerance_m = CLAMP_TOLERANCE * placed.size();
     let mut clamps = Clamps::none(vertex_count);
     // Clamp of the scene that holds each coordinate.
     let mut by = vec![[0; 3]; vertex_count];
     for (i, clamp) in scene.clamp.iter().enumerate() {
         let grip = Grip::of_clamp(i, clamp)?;
-        for (v, _) in grip.vertices(scene, laid, &format!("clamp[{i}]"))? {
-            let target = target(clamp, laid.start[v]);
+        for (v, _) in grip.vertices(scene, placed, &format!("clamp[{i}]"))? {
+            let target = target(clamp, placed.start[v]);
             for (axis, letter) in
                 AXES.into_iter().enumerate().filter(|(_, letter)| clamp.axes.contains(letter))
             {
@@ -234,10 +234,10 @@ fn target(clamp: &ClampTable, start: Vec3) -> Vec3 {
 }
 
 /// The loads of the scene, with forces spread over their vertices.
-pub(super) fn loads(scene: &Scene, laid: &Laid) -> Result<Loads> {
+pub(super) fn loads(scene: &Scene, placed: &PlacedSurface) -> Result<Loads> {
     let mut forces_newton = Vec::new();
     for (i, force) in scene.force.iter().enumerate() {
-        let vertices = Grip::of_force(i, force)?.vertices(scene, laid, &format!("force[{i}]"))?;
+        let vertices = Grip::of_force(i, force)?.vertices(scene, placed, &format!("force[{i}]"))?;
         forces_newton
             .extend(vertices.into_iter().map(|(v, share)| (v, Vec3::from(force.newton) * share)));
     }
@@ -254,7 +254,7 @@ pub(super) fn loads(scene: &Scene, laid: &Laid) -> Result<Loads> {
 /// and no obstacle could stop it.
 pub(super) fn check_held(
     scene: &Scene,
-    laid: &Laid,
+    placed: &PlacedSurface,
     rest: &RestMetric,
     clamps: &Clamps,
     loads: &Loads,
@@ -268,7 +268,7 @@ pub(super) fn check_held(
             "nothing holds the surface; add at least one [[clamp]] with a side",
         ));
     }
-    let part = laid.parts();
+    let part = placed.parts();
     let count = part.len();
     let (mut held, mut area_m2) = (vec![[false; 3]; count], vec![0.0; count]);
     for (v, targets) in clamps.targets.iter().enumerate() {
@@ -276,7 +276,7 @@ pub(super) fn check_held(
             held[part[v]][axis] |= targets[axis].is_some();
         }
     }
-    for (face, metric) in laid.topology.faces.iter().zip(&rest.faces) {
+    for (face, metric) in placed.topology.faces.iter().zip(&rest.faces) {
         area_m2[part[face[0]]] += metric.area_m2;
     }
     // Sum of the forces on each part, and of their sizes.
@@ -296,7 +296,7 @@ pub(super) fn check_held(
             if !idle && !drifts {
                 continue;
             }
-            let (name, what) = laid.name_of_part(lowest);
+            let (name, what) = placed.name_of_part(lowest);
             let message = if idle {
                 format!("nothing holds {name} along {letter}; clamp {what} with {letter} in axes")
             } else {
@@ -319,7 +319,7 @@ pub(super) fn check_held(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Built, build, parse};
+    use crate::scene::{BuiltScene, build, parse};
 
     const SHEET: &str = r#"
         title = "sheet"
@@ -358,7 +358,7 @@ mod tests {
     const LEFT: &str = "[[clamp]]\nside = \"p.left\"\n";
     const GRAVITY: &str = "[load]\ngravity_m_s2 = [0.0, 0.0, -9.81]\n";
 
-    fn built(more: &str) -> Result<Built> {
+    fn built(more: &str) -> Result<BuiltScene> {
         build(&parse("s.toml", &format!("{SHEET}\n{more}"))?)
     }
 
@@ -366,7 +366,7 @@ mod tests {
         built(more).unwrap_err().to_string()
     }
 
-    fn total(built: &Built) -> Vec3 {
+    fn total(built: &BuiltScene) -> Vec3 {
         built.loads.forces_newton.iter().map(|(_, force)| force).sum()
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::laid::Laid;
+use super::placed::PlacedSurface;
 use super::schema::{
     AxisKind, DirectionTable, ExpansionTable, GrowthTable, MapKind, MapTable, ProcedureTable, Scene,
 };
@@ -39,32 +39,37 @@ pub(super) fn procedure(table: &ProcedureTable) -> Option<ProceduralMap> {
 }
 
 /// `[V]` values of the map that `place` has.
-pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Result<Vec<f64>> {
+pub(super) fn map(
+    scene: &Scene,
+    placed: &PlacedSurface,
+    place: &str,
+    map: &MapTable,
+) -> Result<Vec<f64>> {
     let table = match map {
-        MapTable::Number(value) => return Ok(vec![*value; laid.start.len()]),
+        MapTable::Number(value) => return Ok(vec![*value; placed.start.len()]),
         MapTable::ProceduralMap(table) => table,
     };
     if let Some(procedure) = procedure(table) {
-        return Ok(procedure.map(&laid.start, table.low, table.high));
+        return Ok(procedure.map(&placed.start, table.low, table.high));
     }
     let shares = match (&table.file, &table.shares) {
         _ if table.kind == MapKind::Attribute => {
-            attribute(laid, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?
+            attribute(placed, &format!("{place}.name"), table.name.as_deref().unwrap_or_default())?
                 .to_vec()
         }
-        (Some(file), _) => image_shares(laid, place, &scene.beside(file))?,
+        (Some(file), _) => image_shares(placed, place, &scene.beside(file))?,
         (None, shares) => {
             let of_panel = |p: usize| {
                 shares.as_ref().and_then(|shares| shares.get(p)).copied().unwrap_or_default()
             };
-            let faces = laid
+            let faces = placed
                 .panels
                 .iter()
                 .enumerate()
                 .flat_map(|(p, panel)| panel.faces.clone().map(move |f| (f, p)));
             mean_of_corners(
-                laid,
-                faces.flat_map(|(f, p)| laid.topology.faces[f].map(|v| (v, of_panel(p)))),
+                placed,
+                faces.flat_map(|(f, p)| placed.topology.faces[f].map(|v| (v, of_panel(p)))),
             )
         }
     };
@@ -72,18 +77,18 @@ pub(super) fn map(scene: &Scene, laid: &Laid, place: &str, map: &MapTable) -> Re
 }
 
 /// `[V]` what the mesh says about each vertex under this name.
-fn attribute<'a>(laid: &'a Laid, field: &str, name: &str) -> Result<&'a [f64]> {
-    if let Some((_, values)) = laid.attributes.iter().find(|(own, _)| own == name) {
+fn attribute<'a>(placed: &'a PlacedSurface, field: &str, name: &str) -> Result<&'a [f64]> {
+    if let Some((_, values)) = placed.attributes.iter().find(|(own, _)| own == name) {
         return Ok(values);
     }
-    if laid.attributes.is_empty() {
+    if placed.attributes.is_empty() {
         let message = format!(
             "there is no attribute \"{name}\": vertices have none; start from an OBJ with colours \
              or a PLY file with values"
         );
         return Err(Error::value(field, message));
     }
-    let names: Vec<&str> = laid.attributes.iter().map(|(own, _)| own.as_str()).collect();
+    let names: Vec<&str> = placed.attributes.iter().map(|(own, _)| own.as_str()).collect();
     Err(Error::value(
         field,
         format!("the mesh has no attribute \"{name}\"; it has {}", names.join(", ")),
@@ -91,8 +96,8 @@ fn attribute<'a>(laid: &'a Laid, field: &str, name: &str) -> Result<&'a [f64]> {
 }
 
 /// `[V]` mean of the values given for each vertex; 0 where there is none.
-fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
-    let mut sums = vec![(0.0, 0.0); laid.start.len()];
+fn mean_of_corners(placed: &PlacedSurface, values: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); placed.start.len()];
     for (v, value) in values {
         sums[v].0 += value;
         sums[v].1 += 1.0;
@@ -102,7 +107,7 @@ fn mean_of_corners(laid: &Laid, values: impl Iterator<Item = (usize, f64)>) -> V
 
 /// `[V]` values (0 to 1) of the first channel of a PNG file, through the texture coordinates; the
 /// mean where a seam meets.
-fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
+fn image_shares(placed: &PlacedSurface, place: &str, path: &Path) -> Result<Vec<f64>> {
     let field = format!("{place}.file");
     let bytes = crate::io::disk::read(path)
         .map_err(|source| Error::value(&field, Error::reading(path, source).to_string()))?;
@@ -112,10 +117,10 @@ fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
             format!("{} is no readable PNG ({what}); save it as PNG, grey or RGB", path.display()),
         )
     })?;
-    let chart = match &laid.texture {
+    let chart = match &placed.texture {
         Some(chart) => chart.clone(),
-        None if !laid.panels.is_empty() => {
-            let rest = &laid.rest_shape;
+        None if !placed.panels.is_empty() => {
+            let rest = &placed.rest_shape;
             let flat: Vec<Vec2> = rest.positions.iter().map(|p| p.xy()).collect();
             Chart { points: side_by_side(&flat, &rest.faces), faces: rest.faces.clone() }
         }
@@ -125,9 +130,9 @@ fn image_shares(laid: &Laid, place: &str, path: &Path) -> Result<Vec<f64>> {
             return Err(Error::value(field, message));
         }
     };
-    let each = laid.topology.faces.iter().zip(&chart.faces);
+    let each = placed.topology.faces.iter().zip(&chart.faces);
     Ok(mean_of_corners(
-        laid,
+        placed,
         each.flat_map(|(face, uv)| (0..3).map(|k| (face[k], image.at(&chart.points[uv[k]])))),
     ))
 }
@@ -180,24 +185,37 @@ impl Grey {
 }
 
 /// All expansions of the scene, one after the other.
-pub(super) fn expansion(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Expansion> {
-    let mut whole = Expansion::none(&laid.topology, &laid.start)?;
+pub(super) fn expansion(
+    scene: &Scene,
+    table: &GrowthTable,
+    placed: &PlacedSurface,
+) -> Result<Expansion> {
+    let mut whole = Expansion::none(&placed.topology, &placed.start)?;
     for (i, one) in table.expansion.iter().enumerate() {
-        whole = whole.then(&single(scene, laid, &format!("growth.expansion[{i}]"), one)?);
+        whole = whole.then(&single(scene, placed, &format!("growth.expansion[{i}]"), one)?);
     }
     Ok(whole)
 }
 
-fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Result<Expansion> {
-    let n = laid.start.len();
+fn single(
+    scene: &Scene,
+    placed: &PlacedSurface,
+    place: &str,
+    table: &ExpansionTable,
+) -> Result<Expansion> {
+    let n = placed.start.len();
     let within = match table
         .panel
         .as_ref()
-        .and_then(|name| laid.panels.iter().find(|panel| panel.name == *name))
+        .and_then(|name| placed.panels.iter().find(|panel| panel.name == *name))
     {
         Some(panel) => {
             let mut within = vec![false; n];
-            panel.faces.clone().flat_map(|f| laid.topology.faces[f]).for_each(|v| within[v] = true);
+            panel
+                .faces
+                .clone()
+                .flat_map(|f| placed.topology.faces[f])
+                .for_each(|v| within[v] = true);
             within
         }
         None => vec![true; n],
@@ -205,23 +223,23 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
     let factors = |name: &str, table: &Option<MapTable>| {
         table
             .as_ref()
-            .map_or(Ok(vec![1.0; n]), |table| map(scene, laid, &format!("{place}.{name}"), table))
+            .map_or(Ok(vec![1.0; n]), |table| map(scene, placed, &format!("{place}.{name}"), table))
     };
     let mut factor = factors("factor", &table.factor)?;
     let mut across = factors("across", &table.across)?;
     for v in (0..n).filter(|&v| !within[v]) {
         (factor[v], across[v]) = (1.0, 1.0);
     }
-    let (topology, start) = (&laid.topology, &laid.start);
+    let (topology, start) = (&placed.topology, &placed.start);
     let Some(direction) = &table.direction else {
         return Expansion::from_factors(topology, start, &factor)
             .map_err(|error| error.about(place));
     };
-    let directions = directions(laid, place, direction)?;
+    let directions = directions(placed, place, direction)?;
     let tensor: Option<Vec<Vec<f64>>> = match &table.tensor {
         Some(maps) => Some(
             maps.iter()
-                .map(|own| map(scene, laid, &format!("{place}.tensor"), own))
+                .map(|own| map(scene, placed, &format!("{place}.tensor"), own))
                 .collect::<Result<_>>()?,
         ),
         None => None,
@@ -238,7 +256,7 @@ fn single(scene: &Scene, laid: &Laid, place: &str, table: &ExpansionTable) -> Re
 }
 
 /// `[V]` directions, of any length.
-fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Vec3>> {
+fn directions(placed: &PlacedSurface, place: &str, table: &DirectionTable) -> Result<Vec<Vec3>> {
     let course = match table {
         DirectionTable::Fixed(direction) => DirectionField::Fixed(Vec3::from(*direction)),
         DirectionTable::Axis(table) => {
@@ -250,12 +268,12 @@ fn directions(laid: &Laid, place: &str, table: &DirectionTable) -> Result<Vec<Ve
                 AxisKind::Attribute => {
                     let field = format!("{place}.direction.names");
                     let names = table.names.clone().unwrap_or_default();
-                    let [x, y, z] = [0, 1, 2].map(|axis| attribute(laid, &field, &names[axis]));
+                    let [x, y, z] = [0, 1, 2].map(|axis| attribute(placed, &field, &names[axis]));
                     let (x, y, z) = (x?, y?, z?);
                     return Ok((0..x.len()).map(|v| Vec3::new(x[v], y[v], z[v])).collect());
                 }
             }
         }
     };
-    Ok(laid.start.iter().map(|p| course.at(p)).collect())
+    Ok(placed.start.iter().map(|p| course.at(p)).collect())
 }

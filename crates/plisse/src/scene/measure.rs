@@ -4,7 +4,7 @@
 //! Only faces with a visible amplitude count, because where there is none the energy does not
 //! depend on the frequency and leaves it arbitrary. What lies outside the panel counts nothing.
 
-use super::build::Built;
+use super::build::BuiltScene;
 use super::probe::{Piece, Probe, Quantity};
 use crate::field::{FieldReport, WrinkleField};
 
@@ -29,7 +29,7 @@ pub struct Measured {
 
 /// The scene's measures of `field`, in the scene's order. `field` and `report` must come from
 /// `built`.
-pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec<Measured> {
+pub fn measure(built: &BuiltScene, field: &WrinkleField, report: &FieldReport) -> Vec<Measured> {
     let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
             Quantity::LargestPeriod => {
@@ -50,7 +50,7 @@ pub fn measure(built: &Built, field: &WrinkleField, report: &FieldReport) -> Vec
     built.probes.iter().map(take).collect()
 }
 
-fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
+fn waves_along(built: &BuiltScene, field: &WrinkleField, pieces: &[Piece]) -> f64 {
     let amplitude_of = |f: usize| {
         built.sheet.topology.faces[f].iter().map(|&v| field.amplitude_m[v]).fold(0.0, f64::max)
     };
@@ -68,7 +68,7 @@ fn waves_along(built: &Built, field: &WrinkleField, pieces: &[Piece]) -> f64 {
     pieces.iter().map(turns).sum::<f64>() / std::f64::consts::TAU
 }
 
-fn waves_around(built: &Built, field: &WrinkleField, chain: &[usize]) -> f64 {
+fn waves_around(built: &BuiltScene, field: &WrinkleField, chain: &[usize]) -> f64 {
     let turn = |pair: &[usize]| {
         let edge = [pair[0].min(pair[1]), pair[0].max(pair[1])];
         let along = built.sheet.topology.edges.binary_search(&edge).map_or(0.0, |e| field.omega[e]);
@@ -87,7 +87,7 @@ mod tests {
     use crate::scene::{build, parse};
 
     /// A balloon of two disks: the second panel is flipped. The line is replaced by each test.
-    fn balloon(panel: &str, from: [f64; 2], to: [f64; 2]) -> Built {
+    fn balloon(panel: &str, from: [f64; 2], to: [f64; 2]) -> BuiltScene {
         let line = format!("panel = \"{panel}\", from_m = {from:?}, to_m = {to:?}");
         let text = format!(
             r#"
@@ -109,7 +109,7 @@ mod tests {
     }
 
     /// A field with phase k·(x, y) of the start pose, and amplitude 1 mm.
-    fn plane_wave(built: &Built, k: Vec2) -> WrinkleField {
+    fn plane_wave(built: &BuiltScene, k: Vec2) -> WrinkleField {
         let phase = |v: usize| k.x * built.start[v].x + k.y * built.start[v].y;
         WrinkleField {
             amplitude_m: vec![1e-3; built.sheet.topology.vertex_count],
@@ -137,7 +137,7 @@ mod tests {
         }
     }
 
-    fn waves(built: &Built, field: &WrinkleField) -> f64 {
+    fn waves(built: &BuiltScene, field: &WrinkleField) -> f64 {
         measure(built, field, &report(&[]))[0].value
     }
 

@@ -5,7 +5,7 @@
 //! over the base surface. A change counts if it is at least a fifth of the largest height
 //! difference along the line and a hundredth of the thickness.
 
-use super::build::Built;
+use super::build::BuiltScene;
 use super::measure::Measured;
 use super::probe::{Crossing, Probe, Quantity};
 use crate::mesh::Vec3;
@@ -16,11 +16,17 @@ const VISIBLE: f64 = 0.2;
 /// Part of the thickness below which nothing is a wrinkle.
 const LEAST: f64 = 0.01;
 
+/// `[V]` height (m) of the shell pose `shell` (`[V]`, m) over the base surface `base` (`[V]`, m),
+/// along the base surface's normals.
+pub fn heights_m(built: &BuiltScene, base: &[Vec3], shell: &[Vec3]) -> Vec<f64> {
+    let normals = vertex_normals(&built.sheet.topology, base);
+    (0..base.len()).map(|v| (shell[v] - base[v]).dot(&normals[v])).collect()
+}
+
 /// Those of the scene's measures that make sense for the shell pose `shell` (`[V]`, m) over the
 /// base surface `base` (`[V]`, m).
-pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measured> {
-    let normals = vertex_normals(&built.sheet.topology, base);
-    let height: Vec<f64> = (0..base.len()).map(|v| (shell[v] - base[v]).dot(&normals[v])).collect();
+pub fn measure_shell(built: &BuiltScene, base: &[Vec3], shell: &[Vec3]) -> Vec<Measured> {
+    let height = heights_m(built, base, shell);
     let take = |probe: &Probe| {
         let (value, unit) = match &probe.quantity {
             Quantity::LargestPeriod => return None,
@@ -64,7 +70,7 @@ pub fn measure_shell(built: &Built, base: &[Vec3], shell: &[Vec3]) -> Vec<Measur
 }
 
 /// Waves of the heights `line` (m) at the points `places` (m) of a line.
-fn waves(built: &Built, mut line: Vec<f64>, places: Vec<Vec3>) -> f64 {
+fn waves(built: &BuiltScene, mut line: Vec<f64>, places: Vec<Vec3>) -> f64 {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return 0.0 };
     let length: f64 = places.windows(2).map(|pair| (pair[0] - pair[1]).norm()).sum();
     let closed = (first - last).norm() < 1e-6 * length;

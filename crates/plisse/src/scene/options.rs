@@ -1,9 +1,10 @@
 //! The material and the options of the solves that a scene asks for.
 
-use super::schema::{Rule, Scene};
+use super::schema::{Rule, Scene, SurfaceTable};
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
 use crate::shell::BaseOptions;
+use crate::wrinkled::SurfaceOptions;
 use crate::{At, Result};
 
 /// The material.
@@ -49,4 +50,10 @@ pub(super) fn field_options(scene: &Scene) -> Result<FieldOptions> {
         options.iteration_limit = limit;
     }
     Ok(options)
+}
+
+/// The options of the wrinkled surface, for a field solved with `field_options`.
+pub(super) fn surface_options(scene: &Scene, field_options: &FieldOptions) -> SurfaceOptions {
+    let SurfaceTable { levels, v1, v2 } = scene.surface;
+    SurfaceOptions { levels, v1, v2, curvature_rings: field_options.curvature_rings }
 }

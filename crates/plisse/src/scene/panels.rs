@@ -1,7 +1,7 @@
 //! Panels: what a scene says about them, and the surface they are sewn to.
 
 use super::closed;
-use super::laid::{BuiltPanel, Laid, Side, extent};
+use super::placed::{PlacedPanel, PlacedSurface, Side, extent};
 use super::schema::{PanelTable, Pattern, Place, Scene, Shape, SideTable};
 use super::value::{angle, direction, in_reach, not_blank, positive};
 use crate::mesh::Vec3;
@@ -178,8 +178,8 @@ pub(super) fn plane(place: &str, x_axis: [f64; 3], y_axis: [f64; 3]) -> Result<[
     Ok([x, y])
 }
 
-/// The panels, cut and sewn and laid into space.
-pub(super) fn lay(scene: &Scene) -> Result<Laid> {
+/// The panels, cut and sewn and placed into space.
+pub(super) fn place_surface(scene: &Scene) -> Result<PlacedSurface> {
     let place = scene.file.display().to_string();
     let cut: Vec<Panel> = scene
         .panel
@@ -198,7 +198,7 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
         let (faces, rest_vertices) =
             (face..face + panel.faces.len(), rest..rest + panel.positions.len());
         (face, rest) = (faces.end, rest_vertices.end);
-        panels.push(BuiltPanel { name: table.name.clone(), faces, rest_vertices });
+        panels.push(PlacedPanel { name: table.name.clone(), faces, rest_vertices });
     }
     let side = |field: String, reference: &str| -> Result<(usize, &[usize])> {
         let (p, name) = scene.side(&field, reference)?;
@@ -225,13 +225,13 @@ pub(super) fn lay(scene: &Scene) -> Result<Laid> {
     let mut rest_positions: Vec<Vec3> =
         sewn.rest_positions.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect();
     let chart = closed::shape(scene, &panels, &mut rest_positions, &sewn.rest_faces)?;
-    let laid = lay_panels(scene, &panels, &rest_positions)?;
-    let start = start(scene, &panels, &seams, &sewn, &laid)?;
+    let placed = place_panels(scene, &panels, &rest_positions)?;
+    let start = start(scene, &panels, &seams, &sewn, &placed)?;
     let texture = chart.as_ref().map(|chart| Chart {
         points: side_by_side(&chart.points, &chart.faces),
         faces: chart.faces.clone(),
     });
-    Ok(Laid {
+    Ok(PlacedSurface {
         topology: sewn.topology,
         rest_shape: RestShape { positions: rest_positions, faces: sewn.rest_faces },
         start,
@@ -280,35 +280,40 @@ fn closed(panel: &PanelTable) -> bool {
 }
 
 /// `[R]` start position (m) of each rest vertex.
-fn lay_panels(scene: &Scene, panels: &[BuiltPanel], rest_positions: &[Vec3]) -> Result<Vec<Vec3>> {
-    let mut laid = Vec::with_capacity(rest_positions.len());
+fn place_panels(
+    scene: &Scene,
+    panels: &[PlacedPanel],
+    rest_positions: &[Vec3],
+) -> Result<Vec<Vec3>> {
+    let mut placed = Vec::with_capacity(rest_positions.len());
     for (i, (panel, table)) in panels.iter().zip(&scene.panel).enumerate() {
         let own = &rest_positions[panel.rest_vertices.clone()];
         match table.place {
             Place::Flat { origin_m, x_axis, y_axis } => {
                 let [x, y] = plane(&format!("panel[{i}]"), x_axis, y_axis)?;
                 let z = x.cross(&y);
-                laid.extend(own.iter().map(|p| Vec3::from(origin_m) + x * p.x + y * p.y + z * p.z));
+                placed
+                    .extend(own.iter().map(|p| Vec3::from(origin_m) + x * p.x + y * p.y + z * p.z));
             }
-            Place::Rolled { radius_m, centre_m, start_deg } => laid.extend(own.iter().map(|p| {
+            Place::Rolled { radius_m, centre_m, start_deg } => placed.extend(own.iter().map(|p| {
                 let (sine, cosine) = (start_deg.to_radians() + p.x / radius_m).sin_cos();
                 Vec3::from(centre_m) + Vec3::new(radius_m * cosine, radius_m * sine, p.y)
             })),
         }
     }
-    Ok(laid)
+    Ok(placed)
 }
 
 /// `[V]` start position (m) of each vertex, from those of the rest vertices; sewn sides must meet
 /// unless they may start apart.
 fn start(
     scene: &Scene,
-    panels: &[BuiltPanel],
+    panels: &[PlacedPanel],
     seams: &[Seam<'_>],
     sewn: &Sewn,
-    laid: &[Vec3],
+    placed: &[Vec3],
 ) -> Result<Vec<Vec3>> {
-    let [low, high] = extent(laid);
+    let [low, high] = extent(placed);
     let tolerance_m = SEAM_TOLERANCE * (high - low).norm();
     // Vertices that start at the mean of their places.
     let mut between = vec![false; sewn.topology.vertex_count];
@@ -320,7 +325,7 @@ fn start(
                 between[sewn.vertex_of_rest[u]] = true;
                 continue;
             }
-            let apart = (laid[u] - laid[v]).norm();
+            let apart = (placed[u] - placed[v]).norm();
             if apart > tolerance_m {
                 let message = format!(
                     "\"{}\" and \"{}\" start {apart:.3e} m apart; place the panels so that sewn \
@@ -337,9 +342,9 @@ fn start(
     for (r, &v) in sewn.vertex_of_rest.iter().enumerate() {
         // Vertices are numbered by their lowest rest vertex, so it comes first.
         if v == start.len() {
-            start.push(laid[r]);
+            start.push(placed[r]);
         } else if between[v] {
-            start[v] += laid[r];
+            start[v] += placed[r];
         }
         places[v] += 1;
     }
@@ -352,12 +357,12 @@ fn start(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Built, build, parse};
+    use crate::scene::{BuiltScene, build, parse};
 
     const HEAD: &str =
         "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
 
-    fn built(rest: &str) -> Result<Built> {
+    fn built(rest: &str) -> Result<BuiltScene> {
         build(&parse("s.toml", &format!("{HEAD}{rest}"))?)
     }
 

@@ -1,7 +1,7 @@
 //! Probes: the measures of a scene on its mesh. Lines are cut into the pieces that lie in each face,
 //! sides become chains of vertices.
 
-use super::laid::Laid;
+use super::placed::PlacedSurface;
 use super::schema::{MeasureKind, Scene};
 use crate::mesh::Vec2;
 use crate::{Error, Result};
@@ -53,7 +53,7 @@ pub type Piece = Vec<(usize, Vec2)>;
 pub type Crossing = (usize, [f64; 3]);
 
 /// The measures of the scene, in its order.
-pub(super) fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
+pub(super) fn probes(scene: &Scene, placed: &PlacedSurface) -> Result<Vec<Probe>> {
     let mut probes = Vec::new();
     for (i, table) in scene.measure.iter().enumerate() {
         let quantity = match table.kind {
@@ -67,10 +67,10 @@ pub(super) fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
                     ));
                 };
                 let panel =
-                    laid.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
+                    placed.panels.iter().find(|panel| table.panel.as_ref() == Some(&panel.name));
                 let faces = panel.map_or(0..0, |panel| panel.faces.clone());
                 let (pieces, crossings) =
-                    cut(from.into(), to.into(), faces, |f| laid.panel_corners(f));
+                    cut(from.into(), to.into(), faces, |f| placed.panel_corners(f));
                 if pieces.is_empty() {
                     let message =
                         "the line to to_m misses the panel; give points in panel coordinates (m)";
@@ -79,13 +79,13 @@ pub(super) fn probes(scene: &Scene, laid: &Laid) -> Result<Vec<Probe>> {
                 Quantity::WavesAlong { pieces, crossings }
             }
             MeasureKind::WavesAround => {
-                let side = laid.side(
+                let side = placed.side(
                     scene,
                     &format!("measure[{i}].side"),
                     table.side.as_deref().unwrap_or_default(),
                 )?;
                 let mut chain: Vec<usize> =
-                    side.rest_vertices.iter().map(|&r| laid.vertex_of_rest[r]).collect();
+                    side.rest_vertices.iter().map(|&r| placed.vertex_of_rest[r]).collect();
                 if side.closed {
                     chain.push(chain[0]);
                 }

@@ -1,6 +1,6 @@
 //! The same scene on coarser or finer meshes, for studies of what depends on them.
 
-use super::build::{Built, build};
+use super::build::{BuiltScene, build};
 use super::probe::Quantity;
 use super::schema::{Pattern, Scene};
 use crate::mesh::subdivide::refine_rest;
@@ -21,13 +21,14 @@ const CLOSE: f64 = 0.01;
 ///
 /// # Errors
 /// [`Error::Value`] if the scene wears a mesh; the errors of [`build`].
-pub fn with_vertices(scene: &Scene, vertices: usize) -> Result<(Scene, Built)> {
+pub fn with_vertices(scene: &Scene, vertices: usize) -> Result<(Scene, BuiltScene)> {
     if scene.mesh.is_some() {
         let message = "a mesh from files cannot be cut anew; give panels";
         return Err(Error::value(format!("{}, mesh", scene.file.display()), message));
     }
-    let distance =
-        |built: &Built| (built.sheet.topology.vertex_count as f64 / vertices as f64).ln().abs();
+    let distance = |built: &BuiltScene| {
+        (built.sheet.topology.vertex_count as f64 / vertices as f64).ln().abs()
+    };
     let mut built = build(scene)?;
     let mut best = (scene.clone(), distance(&built), None);
     let mut factor = 1.0;
@@ -67,7 +68,7 @@ fn with_edges_scaled(scene: &Scene, factor: f64) -> Scene {
 ///
 /// # Errors
 /// [`Error::Mesh`] if a face has no area; there is none if `built` comes from [`build`].
-pub fn refined(built: &Built) -> Result<Built> {
+pub fn refined(built: &BuiltScene) -> Result<BuiltScene> {
     let coarse = &built.sheet.topology;
     let (start, faces) = refine_rest(&built.start, &coarse.faces);
     let rest_shape = built.sheet.rest_shape.refined();
@@ -144,7 +145,7 @@ mod tests {
         let fine = refined(&coarse).unwrap();
         assert_eq!(fine.sheet.topology.face_count(), 4 * coarse.sheet.topology.face_count());
         assert!((fine.sheet.rest.area_m2() - 0.5).abs() < 1e-12);
-        let count = |built: &Built| built.clamps.held().iter().filter(|held| **held).count();
+        let count = |built: &BuiltScene| built.clamps.held().iter().filter(|held| **held).count();
         assert_eq!(count(&fine), 2 * count(&coarse) - 1);
         for (start, target) in fine.start.iter().zip(&fine.clamps.targets) {
             let expected =

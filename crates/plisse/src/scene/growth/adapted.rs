@@ -9,8 +9,8 @@ use crate::mesh::islands::side_by_side;
 use crate::mesh::{Chart, RestShape};
 use crate::mesh::{Topology, Vec2, Vec3};
 use crate::rest::RestMetric;
-use crate::scene::build::Built;
-use crate::scene::laid::{BuiltPanel, Laid};
+use crate::scene::build::BuiltScene;
+use crate::scene::placed::{PlacedPanel, PlacedSurface};
 use crate::sheet::Sheet;
 use crate::shell::Clamps;
 use crate::{At, Result};
@@ -89,11 +89,11 @@ impl BuiltGrowth {
         let rest = RestMetric { faces: order.iter().map(|&f| surface.rest.faces[f]).collect() };
         let asked = surface.maps.expansion().act_on(&topology, &surface.start, &rest)?;
 
-        let mut panels: Vec<BuiltPanel> = self
+        let mut panels: Vec<PlacedPanel> = self
             .built
             .panels
             .iter()
-            .map(|panel| BuiltPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 })
+            .map(|panel| PlacedPanel { name: panel.name.clone(), faces: 0..0, rest_vertices: 0..0 })
             .collect();
         let (mut places, mut corners) = (Vec::new(), Vec::new());
         if let Some(corner_places) = corner_places {
@@ -140,7 +140,7 @@ impl BuiltGrowth {
         } else {
             (places.iter().map(|p| Vec3::new(p.x, p.y, 0.0)).collect(), corners, None)
         };
-        let laid = Laid {
+        let placed = PlacedSurface {
             topology,
             rest_shape: RestShape { positions: rest_positions, faces: rest_faces },
             start: surface.start,
@@ -152,22 +152,23 @@ impl BuiltGrowth {
             attributes: Vec::new(),
             notes: Vec::new(),
         };
-        let windows = windows::windows(&self.counts, &self.extents, &laid)?;
-        let built = Built {
-            clamps: Clamps::none(laid.topology.vertex_count),
+        let windows = windows::windows(&self.counts, &self.extents, &placed)?;
+        let built = BuiltScene {
+            clamps: Clamps::none(placed.topology.vertex_count),
             sheet: Sheet {
-                topology: laid.topology,
-                rest_shape: laid.rest_shape,
+                topology: placed.topology,
+                rest_shape: placed.rest_shape,
                 rest,
                 material: self.built.sheet.material,
             },
-            start: laid.start,
+            start: placed.start,
             loads: surface.loads,
-            panels: laid.panels,
-            texture: laid.texture,
+            panels: placed.panels,
+            texture: placed.texture,
             ..self.built.clone()
         };
-        let grown = Self { built, maps: surface.maps, chart: laid.chart, windows, ..self.clone() };
+        let grown =
+            Self { built, maps: surface.maps, chart: placed.chart, windows, ..self.clone() };
         Ok((grown, pose, asked))
     }
 }

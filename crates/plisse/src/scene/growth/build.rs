@@ -8,10 +8,10 @@ use crate::growth::{AdaptOptions, GrowingSurface, GrowthAt, GrowthMaps, GrowthOp
 use crate::mesh::{Chart, Topology, Vec3};
 use crate::remesh::MidpointPlacement;
 use crate::rest::RestMetric;
-use crate::scene::build::{Built, assemble, lay};
+use crate::scene::build::{BuiltScene, assemble, place_surface};
 use crate::scene::hold::{self, AXES, Grip};
-use crate::scene::laid::Laid;
 use crate::scene::maps;
+use crate::scene::placed::PlacedSurface;
 use crate::scene::schema::{
     BandTable, CountTable, GrowthTable, MapTable, Mode, RemeshTable, Scene,
 };
@@ -21,7 +21,7 @@ use crate::{At, Error, Result};
 #[derive(Clone, Debug)]
 pub struct BuiltGrowth {
     /// The surface, with its rest metric before growth, what pushes and what is in its way.
-    pub built: Built,
+    pub built: BuiltScene,
     /// `[V]` growth and folding of each vertex. Clamps freeze, too.
     pub maps: GrowthMaps,
     /// Mode: by energy or by forces.
@@ -101,14 +101,14 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     {
         return Err(Error::value(
             format!("clamp[{i}]"),
-            "growth begins where the surface is laid; let the clamp neither move nor turn",
+            "growth begins where the surface is placed; let the clamp neither move nor turn",
         ));
     }
-    let laid = lay(scene)?;
-    let maps = growth_maps(scene, table, &laid)?;
+    let placed = place_surface(scene)?;
+    let maps = growth_maps(scene, table, &placed)?;
     let extents: Vec<Extent> = scene.panel.iter().map(windows::extent).collect();
-    let windows = windows::windows(&table.count, &extents, &laid)?;
-    let chart = laid.chart.clone();
+    let windows = windows::windows(&table.count, &extents, &placed)?;
+    let chart = placed.chart.clone();
     let mut options = GrowthOptions {
         young_pa: scene.material.young_pa,
         poisson: scene.material.poisson,
@@ -121,10 +121,10 @@ fn grow_unplaced(scene: &Scene, table: &GrowthTable) -> Result<BuiltGrowth> {
     let mut reference = ReferenceOptions { seed: options.seed, ..ReferenceOptions::default() };
     reference.levels = table.steps.unwrap_or(reference.levels);
     reference.iteration_limit = table.iteration_limit.unwrap_or(reference.iteration_limit);
-    let rest = RestMetric::from_shape(&laid.rest_shape.positions, &laid.rest_shape.faces)
+    let rest = RestMetric::from_shape(&placed.rest_shape.positions, &placed.rest_shape.faces)
         .at(&scene.file)?;
-    let (clamps, loads) = (hold::clamps(scene, &laid)?, hold::loads(scene, &laid)?);
-    let built = assemble(scene, laid, rest, clamps, loads)?;
+    let (clamps, loads) = (hold::clamps(scene, &placed)?, hold::loads(scene, &placed)?);
+    let built = assemble(scene, placed, rest, clamps, loads)?;
     let grown = BuiltGrowth {
         adapt: table
             .remesh
@@ -167,26 +167,26 @@ fn adapt_options(table: &RemeshTable, topology: &Topology, start: &[Vec3]) -> Ad
     options
 }
 
-/// The maps of `table` on the mesh of `laid`.
-fn growth_maps(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<GrowthMaps> {
+/// The maps of `table` on the mesh of `placed`.
+fn growth_maps(scene: &Scene, table: &GrowthTable, placed: &PlacedSurface) -> Result<GrowthMaps> {
     // λ takes the place of this value.
     let at = |growth: &GrowthTensor| GrowthAt::new(*growth, f64::NAN);
     let mut vertices: Vec<GrowthAt> =
-        maps::expansion(scene, table, laid)?.vertices.iter().map(at).collect();
+        maps::expansion(scene, table, placed)?.vertices.iter().map(at).collect();
     for scalar in &SCALAR_MAPS {
         if let Some(map) = table.scalar_map(scalar.name) {
-            let values = maps::map(scene, laid, &format!("growth.{}", scalar.name), map)?;
+            let values = maps::map(scene, placed, &format!("growth.{}", scalar.name), map)?;
             vertices.iter_mut().zip(values).for_each(|(at, value)| scalar.set(at, value));
         }
     }
-    let frozen = frozen(scene, table, laid)?;
+    let frozen = frozen(scene, table, placed)?;
     vertices.iter_mut().zip(frozen).for_each(|(at, frozen)| at.frozen = frozen);
-    Ok(GrowthMaps { vertices, bands: bands(scene, table, laid)? })
+    Ok(GrowthMaps { vertices, bands: bands(scene, table, placed)? })
 }
 
 /// `[V]` axes that are frozen, by `[[growth.freeze]]` and by clamps.
-fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 3]>> {
-    let mut frozen: Vec<[bool; 3]> = hold::clamps(scene, laid)?
+fn frozen(scene: &Scene, table: &GrowthTable, placed: &PlacedSurface) -> Result<Vec<[bool; 3]>> {
+    let mut frozen: Vec<[bool; 3]> = hold::clamps(scene, placed)?
         .targets
         .iter()
         .map(|target| target.map(|held| held.is_some()))
@@ -194,7 +194,7 @@ fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 
     for (i, freeze) in table.freeze.iter().enumerate() {
         let place = format!("growth.freeze[{i}]");
         let grip = || Grip::new(&place, freeze.side.as_deref(), freeze.near_m, freeze.within_m);
-        for v in chosen(scene, laid, &place, freeze.map.as_ref(), grip)? {
+        for v in chosen(scene, placed, &place, freeze.map.as_ref(), grip)? {
             for (axis, letter) in AXES.into_iter().enumerate() {
                 frozen[v][axis] |= freeze.axes.contains(letter);
             }
@@ -204,11 +204,11 @@ fn frozen(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<[bool; 
 }
 
 /// The vertices of every `[[growth.band]]`, ascending.
-fn bands(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<Vec<usize>>> {
+fn bands(scene: &Scene, table: &GrowthTable, placed: &PlacedSurface) -> Result<Vec<Vec<usize>>> {
     let of_band = |(i, band): (usize, &BandTable)| {
         let place = format!("growth.band[{i}]");
         let grip = || Grip::new(&place, band.side.as_deref(), None, band.within_m);
-        let mut vertices = chosen(scene, laid, &place, band.map.as_ref(), grip)?;
+        let mut vertices = chosen(scene, placed, &place, band.map.as_ref(), grip)?;
         vertices.sort_unstable();
         vertices.dedup();
         Ok(vertices)
@@ -219,17 +219,17 @@ fn bands(scene: &Scene, table: &GrowthTable, laid: &Laid) -> Result<Vec<Vec<usiz
 /// The vertices where `map` is above one half, or that the grip holds.
 fn chosen<'g>(
     scene: &Scene,
-    laid: &Laid,
+    placed: &PlacedSurface,
     place: &str,
     map: Option<&MapTable>,
     grip: impl Fn() -> Result<Grip<'g>>,
 ) -> Result<Vec<usize>> {
     match map {
         Some(map) => {
-            let values = maps::map(scene, laid, &format!("{place}.map"), map)?;
+            let values = maps::map(scene, placed, &format!("{place}.map"), map)?;
             Ok((0..values.len()).filter(|&v| values[v] > 0.5).collect())
         }
-        None => Ok(grip()?.vertices(scene, laid, place)?.into_iter().map(|(v, _)| v).collect()),
+        None => Ok(grip()?.vertices(scene, placed, place)?.into_iter().map(|(v, _)| v).collect()),
     }
 }
 

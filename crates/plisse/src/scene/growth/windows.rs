@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::Result;
 use crate::mesh::Vec2;
 use crate::relief::{Relief, Window};
-use crate::scene::laid::Laid;
+use crate::scene::placed::PlacedSurface;
 use crate::scene::schema::{CountTable, PanelAxis, PanelTable, Shape};
 
 /// Points of the window to a wavelength along the growth, and rows across.
@@ -67,15 +67,15 @@ pub(super) fn extent(panel: &PanelTable) -> Extent {
 pub(super) fn windows(
     counts: &[CountTable],
     extents: &[Extent],
-    laid: &Laid,
+    placed: &PlacedSurface,
 ) -> Result<Vec<CountWindow>> {
     let mut windows = Vec::new();
     for (i, count) in counts.iter().enumerate() {
-        let Some(n) = laid.panels.iter().position(|panel| panel.name == count.panel) else {
+        let Some(n) = placed.panels.iter().position(|panel| panel.name == count.panel) else {
             continue;
         };
-        let (panel, [periods, low, high]) = (&laid.panels[n], extents[n]);
-        let corners = |f: usize| laid.panel_corners(f);
+        let (panel, [periods, low, high]) = (&placed.panels[n], extents[n]);
+        let corners = |f: usize| placed.panel_corners(f);
         let window = match (
             count.low_m.or(low),
             count.high_m.or(high),

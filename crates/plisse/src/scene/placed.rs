@@ -1,4 +1,4 @@
-//! The surface as a scene describes it, laid into space, before anything holds it: from panels or
+//! The surface as a scene describes it, placed into space, before anything holds it: from panels or
 //! from a mesh.
 
 use std::ops::Range;
@@ -12,7 +12,7 @@ const LEAST_VOLUME: f64 = 1e-9;
 
 /// The part of the surface that is one panel.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BuiltPanel {
+pub struct PlacedPanel {
     /// Its name.
     pub name: String,
     /// Its faces.
@@ -22,7 +22,7 @@ pub struct BuiltPanel {
 }
 
 /// A surface at its start. V vertices, F faces, R rest vertices.
-pub(super) struct Laid {
+pub(super) struct PlacedSurface {
     /// Connectivity.
     pub(super) topology: Topology,
     /// The rest shape.
@@ -32,7 +32,7 @@ pub(super) struct Laid {
     /// `[R]` vertex for each rest vertex of panels; empty for a mesh.
     pub(super) vertex_of_rest: Vec<usize>,
     /// The panels; none for a mesh.
-    pub(super) panels: Vec<BuiltPanel>,
+    pub(super) panels: Vec<PlacedPanel>,
     /// `[panels]` the sides of each.
     pub(super) sides: Vec<Vec<Side>>,
     /// Panel coordinates (m), where they are not those of the rest vertices: if some panel is
@@ -54,7 +54,7 @@ pub(super) struct Side {
     pub(super) closed: bool,
 }
 
-impl Laid {
+impl PlacedSurface {
     /// `[3]` panel coordinates (m) of the corners of face `f`.
     pub(super) fn panel_corners(&self, f: usize) -> [Vec2; 3] {
         match &self.chart {
