@@ -23,7 +23,7 @@ use crate::terminal::RunEnd;
 pub(crate) struct Job<'a> {
     pub(crate) arguments: &'a OutputArguments,
     pub(crate) title: &'a str,
-    /// What was published about it; may be empty.
+    /// Published results, in words; may be empty.
     pub(crate) paper: &'a str,
     pub(crate) posed: PosedField<'a>,
     pub(crate) up: Up,
@@ -121,7 +121,7 @@ pub(crate) fn finish(
     Ok(if was_interrupted { RunEnd::Interrupted } else { RunEnd::Complete })
 }
 
-/// What an interruption means for the result.
+/// The note on an interruption: solution or not.
 fn interrupted_note(report: &Report) -> &'static str {
     let interrupted = ending_name(Ending::Cancelled);
     let cut_short = report.ending == interrupted

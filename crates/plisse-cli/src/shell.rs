@@ -13,7 +13,6 @@ use plisse::picture::CLOTH;
 use plisse::picture::{Paint, PanelView, Subject};
 use plisse::scene::{BuiltScene, Measured, Scene};
 use plisse::shell::{ReferenceOptions, ReferenceReport, solve_reference};
-use plisse::strain::compression_percent;
 use plisse::{Error, Result, scene};
 use serde::Serialize;
 
@@ -210,7 +209,7 @@ fn picture(shell: &Shell<'_>) -> plisse::picture::Image {
     let faces = &built.sheet.topology.faces;
     let heights = scene::heights_m(built, start, pose);
     let height: Vec<f64> = heights.iter().map(|d| 1e3 * d.abs()).collect();
-    let pressed = compression_percent(&built.sheet.topology, &built.sheet.rest, pose);
+    let pressed = built.sheet.compression_percent(pose);
     let most = |list: &[f64]| list.iter().copied().fold(0.0, f64::max);
     let subject = Subject { positions: pose, faces };
     let panels = [

@@ -8,7 +8,7 @@ use crate::io::obj;
 use crate::material::Material;
 use crate::mesh::{RestShape, Topology, Vec3};
 use crate::rest::RestMetric;
-use crate::strain::{FaceStrain, strain};
+use crate::strain::{FaceStrain, compression_percent, strain};
 
 /// A thin sheet. It never changes; a pose (`[V]` positions, m) lies beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,6 +98,11 @@ impl Sheet {
     /// The same sheet with the rest metric `rest`, as after growth.
     pub fn grown(self, rest: RestMetric) -> Self {
         Self { rest, ..self }
+    }
+
+    /// `[V]` largest compression (%) of `pose` (`[V]`, m) in the faces around each vertex.
+    pub fn compression_percent(&self, pose: &[Vec3]) -> Vec<f64> {
+        compression_percent(&self.topology, &self.rest, pose)
     }
 
     /// `[F]` strain of `pose` (`[V]`, m).

@@ -191,7 +191,8 @@ mod tests {
         r#"x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
             { name = "back", shape = "rectangle", width_m = 0.4, height_m = 0.3, "#,
         r#"edge_length_m = 0.04, seed = 2, "#,
-        r#"place = { kind = "flat", origin_m = [-0.2, 0.12, 0.0], x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
+        r#"place = { kind = "flat", origin_m = [-0.2, 0.12, 0.0], "#,
+        r#"x_axis = [1.0, 0.0, 0.0], y_axis = [0.0, 0.0, 1.0] } },
         ]
         seam = [
             { a = "front.left", b = "back.left", start_apart = true },

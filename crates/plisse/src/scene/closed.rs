@@ -83,12 +83,11 @@ pub(super) fn shape(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::testing::HEAD;
     use crate::scene::{BuiltScene, build, parse};
 
     fn built(panel: &str, more: &str) -> Result<BuiltScene> {
-        let head =
-            "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
-        build(&parse("s.toml", &format!("{head}[[panel]]\nname = \"p\"\n{panel}\n{more}"))?)
+        build(&parse("s.toml", &format!("{HEAD}[[panel]]\nname = \"p\"\n{panel}\n{more}"))?)
     }
 
     const SPHERE: &str = "shape = \"sphere\"\nradius_m = 0.5\nedge_length_m = 0.1";

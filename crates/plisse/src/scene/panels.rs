@@ -357,10 +357,8 @@ fn start(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::testing::HEAD;
     use crate::scene::{BuiltScene, build, parse};
-
-    const HEAD: &str =
-        "title = \"t\"\nmaterial = { young_pa = 1e7, poisson = 0.3, thickness_m = 1e-4 }\n";
 
     fn built(rest: &str) -> Result<BuiltScene> {
         build(&parse("s.toml", &format!("{HEAD}{rest}"))?)

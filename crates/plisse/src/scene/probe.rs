@@ -1,5 +1,5 @@
-//! Probes: the measures of a scene on its mesh. Lines are cut into the pieces that lie in each face,
-//! sides become chains of vertices.
+//! Probes: the measures of a scene on its mesh. Lines are cut into the pieces that lie in each
+//! face, sides become chains of vertices.
 
 use super::placed::PlacedSurface;
 use super::schema::{MeasureKind, Scene};

@@ -15,7 +15,7 @@ use crate::shell::BaseReport;
 use crate::wrinkled::{PosedField, WrinkledSurface};
 use crate::{At, Result};
 
-/// What a caller asks for beside the scene file.
+/// Options of a solve beside those of the scene file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SolveOptions {
     /// Subdivisions of the wrinkled surface; `None`: those of the scene.
@@ -32,15 +32,15 @@ pub struct SolvedScene {
     pub built: Arc<BuiltScene>,
     /// `[V]` base surface (m).
     pub pose: Vec<Vec3>,
-    /// How the base solve went.
+    /// Report of the base solve.
     pub base_report: BaseReport,
     /// The field.
     pub field: WrinkleField,
-    /// How the field's solve went.
+    /// Report of the field's solve.
     pub field_report: FieldReport,
     /// The measures of the scene, in its order.
     pub measures: Vec<Measured>,
-    /// What the user should know, a sentence each.
+    /// Notes for the user, a sentence each.
     pub notes: Vec<String>,
 }
 

@@ -18,7 +18,7 @@ use crate::progress::Observer;
 use crate::relief::offsets_m;
 use crate::rest::RestMetric;
 use crate::scene::schema::Mode;
-use crate::strain::strain;
+use crate::strain::compression_percent;
 use crate::{Error, Result};
 
 /// Share of the asked length below which a note says that some is missing.
@@ -369,12 +369,7 @@ impl GrownScene {
         let offset: Vec<f64> =
             offsets_m(topology, start, &self.pose)?.into_iter().map(|w| 1e3 * w).collect();
         let low = offset.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut missing_percent = vec![0.0_f64; self.pose.len()];
-        for (face, strain) in topology.faces.iter().zip(strain(topology, &self.asked, &self.pose)) {
-            // Ê is twice the strain.
-            let percent = 50.0 * (-strain.principal[0]).max(0.0);
-            face.iter().for_each(|&v| missing_percent[v] = missing_percent[v].max(percent));
-        }
+        let missing_percent = compression_percent(topology, &self.asked, &self.pose);
         let raised_mm = offset.iter().map(|w| w - low).collect();
         Ok(GrowthFields { asked_percent, raised_mm, missing_percent })
     }

@@ -54,8 +54,8 @@ pub struct GrowthTable {
 }
 
 impl GrowthTable {
-    /// The table of the scalar map called `name` ([`crate::growth::maps::SCALAR_MAPS`]), if the scene
-    /// gives it.
+    /// The table of the scalar map called `name` (one of [`crate::growth::maps::SCALAR_MAPS`]), if
+    /// the scene gives it.
     pub(in crate::scene) fn scalar_map(&self, name: &str) -> Option<&MapTable> {
         match name {
             "wavelength_m" => Some(&self.wavelength_m),
