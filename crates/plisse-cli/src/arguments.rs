@@ -171,7 +171,7 @@ pub(crate) struct WaveArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) every: Option<u32>,
     /// Painted wrinkles of the rest pose: a JSON file {"bias": [[x, y, z], ...]}, one vector
-    /// (shorter than 1) for each unified vertex
+    /// (shorter than 1) for each welded vertex
     #[arg(long, value_name = "FILE.json", conflicts_with = "random_wrinkles")]
     pub(crate) bias: Option<PathBuf>,
     /// Random wrinkles of the rest pose, 0 to 0.95

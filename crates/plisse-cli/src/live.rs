@@ -1,45 +1,36 @@
-//! `plisse live`: an animated model, frame by frame, on the GPU or by its twins ([`machine`]).
+//! `plisse live`: an animated model, frame by frame, on the GPU or by the stages' CPU references.
 
-mod animation;
 mod bench;
-mod machine;
 mod report;
 
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use plisse::io::staged::OutputFolder;
 use plisse::picture::{Image, write_png};
+use plisse::progress::Observer as _;
 use plisse::{Error, Result};
-use plisse_live::camera::Camera;
-use plisse_live::crush::jumping;
+use plisse_gpu::GpuBackend;
+use plisse_live::Vec3;
+use plisse_live::backend::{Backend, CpuBackend};
 use plisse_live::draw::Look;
-use plisse_live::export::{self, Between, Fine};
-use plisse_live::live::LiveState;
-use plisse_live::model::Clip;
+use plisse_live::export::{self, FrameInterpolation};
+use plisse_live::film::Film;
+use plisse_live::fine_mesh::{FineMesh, PARTS_PER_WAVE, suggest_parts};
+use plisse_live::live_model::LiveModel;
+use plisse_live::measures::Measures;
 use plisse_live::play::clip;
-use plisse_live::relax::{VISIBLE, mean_phase_error};
-use plisse_live::skin::{Pose, pose, skin};
+use plisse_live::recording::Recording;
 use plisse_live::texture::Texture;
-use plisse_live::{Vec3, bake};
+use plisse_live::timeline::{Timeline, View};
 
-use crate::animated::{self, Animated};
+use crate::animated;
 use crate::arguments::LiveArguments;
 use crate::pipeline::with_threads;
 use crate::progress::Bars;
 use crate::terminal::RunEnd;
-use machine::Machine;
 use report::Report;
-
-/// Longest step of the waves (s).
-const LONGEST_STEP_S: f64 = 1.0 / 60.0;
-/// Frames that are made if nobody says how many.
-const MOST_FRAMES: u32 = 240;
-/// Poses that the camera is fitted to.
-const FITTED: usize = 24;
-/// Parts of a wave that --export gives an edge each.
-const PER_WAVE: f32 = 6.0;
 
 pub(crate) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result<RunEnd> {
     with_threads(arguments.threads, || match &arguments.model {
@@ -63,135 +54,70 @@ fn size(text: &str) -> Result<[usize; 2]> {
     })
 }
 
-/// When to step, and which steps are frames.
-struct Timeline {
-    /// Each step's time (s) and whether a frame is shown then.
-    steps: Vec<(f64, bool)>,
-    frames: usize,
-}
-
-impl Timeline {
-    fn new(arguments: &LiveArguments, clip: Option<&Clip>) -> Result<Self> {
-        let (fps, start) = (arguments.fps, arguments.start);
-        if !(0.1..=10_000.0).contains(&fps) {
-            return Err(Error::value(
-                "--fps",
-                format!("{fps} frames a second cannot be made; give 0.1 to 10000"),
-            ));
-        }
-        if !(0.0..=3600.0).contains(&start) {
-            return Err(Error::value(
-                "--start",
-                format!("{start} s cannot be played to; give 0 to 3600"),
-            ));
-        }
-        let whole = clip.map_or(0.0, |c| (f64::from(c.duration_s()) - start).max(0.0) * fps).floor()
-            as u32
-            + 1;
-        let frames = arguments.frames.unwrap_or(whole.min(MOST_FRAMES)) as usize;
-        let mut steps = Vec::new();
-        let before = (start / LONGEST_STEP_S).ceil();
-        steps.extend((0..before as usize).map(|k| (start * k as f64 / before, false)));
-        let parts = (1.0 / (fps * LONGEST_STEP_S) - 1e-9).ceil().max(1.0) as usize;
-        for frame in 0..frames {
-            let shown = start + frame as f64 / fps;
-            if frame > 0 {
-                steps.extend(
-                    (1..parts).map(|p| (shown - (parts - p) as f64 / (fps * parts as f64), false)),
-                );
-            }
-            steps.push((shown, true));
-        }
-        Ok(Self { steps, frames })
+/// The error about the flag that sets what `error` is about.
+fn flag(error: Error) -> Error {
+    match error {
+        Error::Value { field, message } => Error::value(format!("--{field}"), message),
+        other => other,
     }
 }
 
 fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> Result<RunEnd> {
     let begun = Instant::now();
-    let animated = animated::open(input, &arguments.waves, "")?;
-    let Animated { model, unified, .. } = &animated;
-    let playing = clip(model, arguments.waves.clip.as_deref())?;
-    let timeline = Timeline::new(arguments, playing)?;
-    let size = size(&arguments.size)?;
-    let mut report = Report::new(&animated, playing, arguments, size);
-    let texture = texture(arguments, &animated, &mut report.notes)?;
+    let live = animated::open(input, &arguments.waves, "")?;
+    let playing = clip(&live.model, arguments.waves.clip.as_deref())?;
+    let frames = arguments.frames.map(|n| n as usize);
+    let timeline = Timeline::new(playing, arguments.start, arguments.fps, frames).map_err(flag)?;
+    let view =
+        View { yaw_deg: arguments.yaw, pitch_deg: arguments.pitch, size: size(&arguments.size)? };
+    let mut report = Report::new(&live, playing, arguments, view.size);
+    let texture = texture(arguments, &live, &mut report.notes)?;
     let parts = arguments.parts.map_or_else(
-        || export::suggest_parts(unified, animated.wavelength_m as f32, PER_WAVE),
+        || suggest_parts(&live.welded, live.wavelength_m as f32, PARTS_PER_WAVE),
         |n| n as usize,
     );
     if arguments.export.is_some() {
-        export::check_size(model, parts, timeline.frames)?;
+        export::check_size(&live.model, parts, timeline.frames)?;
     }
-    let stem = std::path::Path::new(input)
-        .file_stem()
-        .map_or_else(|| "plisse".into(), |s| s.to_os_string());
-    let path =
-        arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem).join("live"));
-    let mut folder = OutputFolder::create(&path)?;
-    let at = |time_s: f64| pose(model, playing, time_s as f32);
-    let camera = camera(arguments, &animated, &timeline, &at, size);
+    let path = output(arguments, input);
+    let folder = OutputFolder::create(&path)?;
     let look = Look {
-        profile: &animated.profile,
+        profile: &live.profile,
         texture: &texture,
         colour: Vec3::repeat(1.0),
         parallax: !arguments.no_parallax,
     };
-    let mut machine = Machine::new(arguments.cpu, &animated, size, &texture)?;
-    report.adapter = machine.name();
+    let mut backend: Box<dyn Backend> = if arguments.cpu {
+        Box::new(CpuBackend::new(&live, view.size))
+    } else {
+        Box::new(GpuBackend::new(&live, view.size, &texture)?)
+    };
+    report.adapter = backend.name();
+    let camera = timeline.camera(&live, &view);
+    let recording = Recording::new(&live, &timeline, camera, look, &mut *backend);
     let bars = Bars::new(interrupted);
-    let bar = bars.counter("live", timeline.steps.len());
-    let mut film = animation::Film::new(size, timeline.frames, arguments.fps);
-    let mut fine: Vec<Fine> = Vec::new();
-    let mut last: Option<LiveState> = None;
-    for &(time_s, shown) in &timeline.steps {
-        // One frame at least, or there is nothing to keep.
-        if report.frames > 0 && interrupted.load(Ordering::SeqCst) {
-            break;
-        }
-        let now: Pose = at(time_s);
-        machine.step(&animated, &now)?;
-        let state = machine.state()?;
-        if let Some(last) = &last {
-            let strength = [&last.crushed.strength[..], &state.crushed.strength[..]];
-            report.jumps.push(f64::from(jumping(strength, [&last.phase, &state.phase], VISIBLE)));
-        }
-        if shown {
-            report.phase_errors.push(f64::from(mean_phase_error(
-                unified,
-                &state.posed.positions,
-                &state.crushed,
-                &state.phase,
-            )));
-            let picture = machine.draw(&animated, &now, &camera, &look)?;
-            report.pixels.push(picture.covered);
-            write_frame(&mut folder, report.frames, &picture.image)?;
-            film.push(&picture.image);
-            if arguments.export.is_some() {
-                let drawn = skin(&model.draw, &now);
-                fine.push(export::refine(model, unified, &drawn, &state, &animated.profile, parts));
-            }
-            report.frames += 1;
-        }
-        machine.take_times(&mut report.stage_ms, shown)?;
-        last = Some(state);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    report.singular_vertices = machine.singular(&animated, &at(timeline.steps[0].0));
+    let mut results = Results {
+        folder,
+        film: Film::new(view.size, timeline.frames, arguments.fps),
+        parts: arguments.export.is_some().then_some(parts),
+        fine: Vec::new(),
+    };
+    report.measures = record(recording, &timeline, &mut results, &bars)?;
+    let Results { mut folder, film, fine, .. } = results;
     let spinner = bars.spinner("files");
-    film.write(&mut folder)?;
+    write_film(&mut folder, film)?;
     let exported = match &arguments.export {
-        Some(file) => Some(write_export(file, &animated, &fine, arguments.fps)?),
+        Some(file) => Some(write_export(file, &live, &fine, arguments.fps)?),
         None => None,
     };
-    let stopped = report.frames < timeline.frames;
+    let done = report.measures.pixels.len();
+    let stopped = done < timeline.frames;
     if stopped {
-        report.notes.push(format!(
-            "interrupted: the first {} frame(s) are whole, others are missing",
-            report.frames
-        ));
+        report
+            .notes
+            .push(format!("interrupted: the first {done} frame(s) are whole, others are missing"));
     }
-    leave_out_others(&mut folder, &path, report.frames);
+    leave_out_others(&mut folder, &path, done);
     report.seconds_total = begun.elapsed().as_secs_f64();
     report.write(folder, exported.as_deref())?;
     drop(spinner);
@@ -199,60 +125,76 @@ fn frames(arguments: &LiveArguments, input: &str, interrupted: &AtomicBool) -> R
     Ok(if stopped { RunEnd::Interrupted } else { RunEnd::Complete })
 }
 
-/// The image that the model is drawn with: the one asked for, its own, or a checked cloth.
+/// The results of a run in the making.
+struct Results {
+    folder: OutputFolder,
+    film: Film,
+    /// Parts of an edge of exported geometry; `None` if nothing is exported.
+    parts: Option<usize>,
+    fine: Vec<FineMesh>,
+}
+
+/// Records the frames until the timeline ends or the run is interrupted.
+fn record(
+    mut recording: Recording<'_>,
+    timeline: &Timeline<'_>,
+    results: &mut Results,
+    bars: &Bars<'_>,
+) -> Result<Measures> {
+    let bar = bars.counter("live", timeline.steps.len());
+    for step in &timeline.steps {
+        let number = recording.frames();
+        // One frame at least, or there is nothing to keep.
+        if number > 0 && bars.cancelled() {
+            break;
+        }
+        if let Some(frame) = recording.step(step)? {
+            write_frame(&mut results.folder, number, &frame.picture.image)?;
+            results.film.push(&frame.picture.image);
+            results.fine.extend(results.parts.map(|parts| frame.refine(parts)));
+        }
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(recording.finish())
+}
+
+/// The folder asked for, or one named after the input.
+fn output(arguments: &LiveArguments, input: &str) -> PathBuf {
+    let stem = Path::new(input).file_stem().map_or_else(|| "plisse".into(), |s| s.to_os_string());
+    arguments.output.clone().unwrap_or_else(|| PathBuf::from("out").join(stem).join("live"))
+}
+
+/// The image that the model is drawn with: the one asked for, or else as [`Texture::of`].
 fn texture(
     arguments: &LiveArguments,
-    animated: &Animated,
+    live: &LiveModel,
     notes: &mut Vec<String>,
 ) -> Result<Texture> {
     if let Some(path) = &arguments.texture {
         let bytes = std::fs::read(path).map_err(|e| Error::reading(path, e))?;
         return Texture::decode(&path.display().to_string(), &bytes);
     }
-    let own = animated
-        .model
-        .base_colour
-        .as_ref()
-        .map(|bytes| Texture::decode(&animated.model.name, bytes));
-    Ok(match own {
-        Some(Ok(texture)) => texture,
-        Some(Err(error)) => {
-            notes.push(format!("{error}; drawn without it"));
-            Texture::checked()
-        }
-        None if bake::check(&animated.model).is_ok() => Texture::checked(),
-        None => Texture::plain([214, 176, 158]),
-    })
-}
-
-/// Sees every pose of the timeline.
-fn camera(
-    arguments: &LiveArguments,
-    animated: &Animated,
-    timeline: &Timeline,
-    at: &impl Fn(f64) -> Pose,
-    size: [usize; 2],
-) -> Camera {
-    let shown: Vec<f64> = timeline.steps.iter().filter(|s| s.1).map(|s| s.0).collect();
-    let few = (0..FITTED.min(shown.len()))
-        .map(|k| shown[k * (shown.len() - 1) / (FITTED.min(shown.len()) - 1).max(1)]);
-    let places: Vec<Vec3> =
-        few.flat_map(|t| skin(&animated.unified.vertices, &at(t)).positions).collect();
-    let angle = |degrees: f64| if degrees.is_finite() { degrees.to_radians() as f32 } else { 0.0 };
-    Camera::fit(
-        places.iter(),
-        angle(arguments.yaw),
-        angle(arguments.pitch),
-        size[0] as f32 / size[1] as f32,
-    )
+    let (texture, problem) = Texture::of(&live.model);
+    notes.extend(problem.map(|error| format!("{error}; drawn without it")));
+    Ok(texture)
 }
 
 fn write_frame(folder: &mut OutputFolder, number: usize, image: &Image) -> Result<()> {
     folder.write(&format!("frame-{number:04}.png"), |out| write_png(image, out))
 }
 
-/// Frames of a longer run before this one go.
-fn leave_out_others(folder: &mut OutputFolder, path: &std::path::Path, frames: usize) {
+/// Writes animation.png; nothing for a single frame.
+fn write_film(folder: &mut OutputFolder, film: Film) -> Result<()> {
+    if film.is_still() {
+        folder.remove_stale("animation.png");
+        return Ok(());
+    }
+    folder.write("animation.png", |out| film.write(out))
+}
+
+/// Leaves out the frames that a longer run into the same folder has left there.
+fn leave_out_others(folder: &mut OutputFolder, path: &Path, frames: usize) {
     for entry in std::fs::read_dir(path).into_iter().flatten().flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
         let number = name
@@ -265,15 +207,9 @@ fn leave_out_others(folder: &mut OutputFolder, path: &std::path::Path, frames: u
     }
 }
 
-/// Writes the geometry of all frames to `file`; returns its place for the report.
-fn write_export(
-    file: &std::path::Path,
-    animated: &Animated,
-    fine: &[Fine],
-    fps: f64,
-) -> Result<String> {
-    let parent =
-        file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(std::path::Path::new("."));
+/// Writes the geometry of all frames to `file`; the file's path for the report.
+fn write_export(file: &Path, live: &LiveModel, fine: &[FineMesh], fps: f64) -> Result<String> {
+    let parent = file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = file.file_name().and_then(|n| n.to_str());
     let name = name.ok_or_else(|| {
         Error::value(
@@ -282,10 +218,9 @@ fn write_export(
         )
     })?;
     let mut folder = OutputFolder::create(parent)?;
-    let between = if fps < 24.0 { Between::Linear } else { Between::Step };
-    folder.write(name, |out| {
-        export::write_sequence(out, &animated.model, fine, fps as f32, between)
-    })?;
+    let between = FrameInterpolation::for_fps(fps);
+    folder
+        .write(name, |out| export::write_sequence(out, &live.model, fine, fps as f32, between))?;
     folder.commit()?;
     Ok(file.display().to_string())
 }

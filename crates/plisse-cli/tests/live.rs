@@ -44,7 +44,7 @@ fn frames_a_film_and_a_report_on_the_cpu() {
         ["animation.png", "frame-0000.png", "frame-0001.png", "frame-0002.png", "report.json"]
     );
     assert_eq!(
-        (&report["clip"], &report["frames"], &report["unified_vertices"]),
+        (&report["clip"], &report["frames"], &report["welded_vertices"]),
         (&"bend".into(), &3.into(), &500.into())
     );
     assert!(report["adapter"].as_str().unwrap().starts_with("processor"));
@@ -99,7 +99,7 @@ fn the_gpu_makes_the_same_frames() {
     }
     let on_gpu = json(&gpu.join("report.json"));
     let on_cpu = made("zeppelin", &cpu, &[&more[..], &["--cpu"]].concat());
-    for field in ["unified_vertices", "draw_vertices", "faces", "frames", "clip"] {
+    for field in ["welded_vertices", "draw_vertices", "faces", "frames", "clip"] {
         assert_eq!(on_gpu[field], on_cpu[field], "{field}");
     }
     assert!(on_gpu["phase_jump_share"]["max"].as_f64().unwrap() <= 0.005);

@@ -1,37 +1,50 @@
-//! Characters as the stages' buffers have them: one after the other, so that all are done in one
-//! pass.
+//! The characters' arrays as the stages' buffers hold them: one character after the other, so that
+//! all are done in one pass.
 
 use bytemuck::{Pod, Zeroable};
 use plisse::{Error, Result};
 use plisse_live::Vec3;
+use plisse_live::live_model::LiveModel;
 use plisse_live::model::{INFLUENCES, Model, Vertices};
 use plisse_live::skin::Pose;
-use plisse_live::unify::Unified;
+use plisse_live::weld::WeldedMesh;
 
 /// One model that moves.
 #[derive(Clone, Copy)]
 pub struct Character<'a> {
     /// The model, with its normals filled in.
     pub model: &'a Model,
-    /// Its unified vertices.
-    pub unified: &'a Unified,
+    /// Its welded vertices.
+    pub welded: &'a WeldedMesh,
     /// `[U]` wavelength (m, rest), or one for all.
     pub wavelength_m: &'a [f32],
     /// `[U]` painted bias (section 7), or empty.
     pub bias: &'a [Vec3],
 }
 
-/// A rest or posed vertex: xyz of the position, wavelength (m), xyz of the normal, nothing.
+impl<'a> Character<'a> {
+    /// The character of `live`.
+    pub fn of(live: &'a LiveModel) -> Self {
+        Self {
+            model: &live.model,
+            welded: &live.welded,
+            wavelength_m: &live.options.wavelength_m,
+            bias: &live.options.bias,
+        }
+    }
+}
+
+/// A rest or posed vertex as WGSL lays it out; the wavelength is that of rest vertices.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Placed {
+pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     pub(crate) wavelength_m: f32,
     pub(crate) normal: [f32; 3],
     pub(crate) unused: f32,
 }
 
-/// What one morph target adds to one vertex.
+/// The shift that one morph target adds to one vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct Shift {
@@ -41,21 +54,21 @@ pub(crate) struct Shift {
     unused: f32,
 }
 
-/// Where one character's parts begin.
+/// The ranges of one character: first item and the one after the last.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Part {
-    pub(crate) unified: [usize; 2],
+pub(crate) struct CharacterRanges {
+    pub(crate) welded: [usize; 2],
     pub(crate) faces: [usize; 2],
 }
 
-/// All characters' arrays. Skinned vertices are the unified ones of all characters, then the draw
-/// ones of all.
+/// All characters' arrays. Skinned vertices are the welded vertices of all characters, then the
+/// draw vertices of all.
 #[derive(Debug, Default)]
 pub(crate) struct Arrays {
-    pub(crate) parts: Vec<Part>,
-    pub(crate) unified_count: usize,
+    pub(crate) ranges: Vec<CharacterRanges>,
+    pub(crate) welded_count: usize,
     pub(crate) groups: usize,
-    pub(crate) rest: Vec<Placed>,
+    pub(crate) rest: Vec<Vertex>,
     pub(crate) joints: Vec<[u16; 4]>,
     pub(crate) weights: Vec<[f32; 4]>,
     pub(crate) shift_starts: Vec<u32>,
@@ -74,7 +87,7 @@ impl Arrays {
     /// Lines the `characters` up.
     pub(crate) fn new(characters: &[Character<'_>]) -> Result<Self> {
         let few = |set: &Vertices| set.weights.iter().all(|w| w[4..].iter().all(|&x| x == 0.0));
-        let groups = if characters.iter().all(|c| few(&c.model.draw) && few(&c.unified.vertices)) {
+        let groups = if characters.iter().all(|c| few(&c.model.draw) && few(&c.welded.vertices)) {
             1
         } else {
             INFLUENCES / 4
@@ -82,35 +95,37 @@ impl Arrays {
         let mut arrays = Self { groups, shift_starts: vec![0], starts: vec![0], ..Self::default() };
         for character in characters {
             let first = arrays.rest.len();
-            arrays.push_vertices(&character.unified.vertices, |v| {
+            arrays.push_vertices(&character.welded.vertices, |v| {
                 *character.wavelength_m.get(v).unwrap_or(&character.wavelength_m[0])
             })?;
             let ring = arrays.neighbours.len() as u32;
-            arrays.starts.extend(character.unified.starts[1..].iter().map(|s| ring + s));
-            arrays.neighbours.extend(character.unified.neighbours.iter().map(|n| first as u32 + n));
+            arrays.starts.extend(character.welded.starts[1..].iter().map(|s| ring + s));
+            arrays.neighbours.extend(character.welded.neighbours.iter().map(|n| first as u32 + n));
             let bias = |v: usize| character.bias.get(v).map_or([0.0; 4], |p| [p.x, p.y, p.z, 0.0]);
-            arrays.bias.extend((0..character.unified.count()).map(bias));
-            arrays.parts.push(Part { unified: [first, arrays.rest.len()], faces: [0; 2] });
+            arrays.bias.extend((0..character.welded.count()).map(bias));
+            arrays
+                .ranges
+                .push(CharacterRanges { welded: [first, arrays.rest.len()], faces: [0; 2] });
             arrays.palette_count += character.model.palette_nodes.len();
             arrays.target_count += character.model.draw.morphs.len();
         }
         if characters.iter().all(|c| c.bias.is_empty()) {
             arrays.bias.clear();
         }
-        arrays.unified_count = arrays.rest.len();
+        arrays.welded_count = arrays.rest.len();
         (arrays.palette_count, arrays.target_count) = (0, 0);
         for (c, character) in characters.iter().enumerate() {
-            let first = (arrays.rest.len() - arrays.unified_count) as u32;
+            let first = (arrays.rest.len() - arrays.welded_count) as u32;
             let face = arrays.corners.len() / 3;
             arrays.push_vertices(&character.model.draw, |_| 0.0)?;
             arrays.corners.extend(character.model.faces.iter().flatten().map(|v| first + v));
-            let unified = arrays.parts[c].unified[0] as u32;
+            let welded = arrays.ranges[c].welded[0] as u32;
             arrays
                 .vertex_of_draw
-                .extend(character.unified.vertex_of_draw.iter().map(|v| unified + v));
+                .extend(character.welded.vertex_of_draw.iter().map(|v| welded + v));
             let uv = |v: usize| character.model.uvs.get(v).map_or([0.0; 2], |t| [t.x, t.y]);
             arrays.uvs.extend((0..character.model.draw.positions.len()).map(uv));
-            arrays.parts[c].faces = [face, arrays.corners.len() / 3];
+            arrays.ranges[c].faces = [face, arrays.corners.len() / 3];
             arrays.palette_count += character.model.palette_nodes.len();
             arrays.target_count += character.model.draw.morphs.len();
         }
@@ -120,7 +135,7 @@ impl Arrays {
     fn push_vertices(&mut self, set: &Vertices, wavelength_m: impl Fn(usize) -> f32) -> Result<()> {
         for v in 0..set.positions.len() {
             let (p, n) = (set.positions[v], set.normals[v]);
-            self.rest.push(Placed {
+            self.rest.push(Vertex {
                 position: p.into(),
                 wavelength_m: wavelength_m(v),
                 normal: n.into(),

@@ -1,4 +1,4 @@
-// The mean of each pixel's samples, as sRGB numbers. Twin: `Painter::read`.
+// The mean of each pixel's samples, as sRGB numbers. CPU reference: `Painter::read`.
 
 override side: i32 = 2;
 

@@ -1,4 +1,4 @@
-//! The adapter, and moving bytes to and from it.
+//! The adapter, and transfers of bytes to and from it.
 
 use std::sync::{Arc, Mutex};
 
@@ -6,20 +6,20 @@ use bytemuck::Pod;
 use plisse::{Error, Result};
 use wgpu::util::DeviceExt as _;
 
-/// A GPU, or a driver that stands in for one.
+/// A GPU, or a software driver in its place.
 pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
-    /// What the driver calls itself.
+    /// Name that the driver gives itself.
     pub adapter: String,
-    /// Whether passes can be timed.
+    /// True if passes can be timed.
     pub(crate) has_timestamps: bool,
-    /// First error that nobody waited for.
+    /// First error that no call has returned yet.
     failure: Arc<Mutex<Option<String>>>,
 }
 
 impl Gpu {
-    /// The best adapter there is: Vulkan, Metal or Direct3D 12, else OpenGL. `WGPU_BACKEND` and
+    /// The best adapter: Vulkan, Metal or Direct3D 12, else OpenGL. `WGPU_BACKEND` and
     /// `WGPU_ADAPTER_NAME` choose among several.
     ///
     /// # Errors
@@ -27,8 +27,7 @@ impl Gpu {
     pub fn new() -> Result<Self> {
         let found =
             [wgpu::Backends::PRIMARY, wgpu::Backends::GL].into_iter().find_map(|backends| {
-                // One after the other: looking for OpenGL where it is not needed makes some drivers
-                // talk.
+                // One after the other: some drivers print messages when OpenGL is looked for.
                 let usual = wgpu::InstanceDescriptor {
                     backends,
                     ..wgpu::InstanceDescriptor::new_without_display_handle()
@@ -46,9 +45,9 @@ impl Gpu {
                 })
             });
         let adapter = found.ok_or_else(|| {
-            let mend = "install a Vulkan driver (on Debian and Ubuntu: apt-get install \
+            let fix = "install a Vulkan driver (on Debian and Ubuntu: apt-get install \
                 mesa-vulkan-drivers) or add --cpu";
-            Error::numeric("GPU", format!("no adapter was found; {mend}"))
+            Error::numeric("GPU", format!("no adapter was found; {fix}"))
         })?;
         Self::from_adapter(&adapter)
     }
@@ -74,7 +73,7 @@ impl Gpu {
         Ok(Self { has_timestamps: features.contains(wanted), ..Self::shared(device, queue, name) })
     }
 
-    /// A device that a window has already; `name`: what it is called. Passes on it are not timed.
+    /// A device called `name` that a window has already. Passes on it are not timed.
     pub fn shared(device: wgpu::Device, queue: wgpu::Queue, name: String) -> Self {
         let failure = Arc::new(Mutex::new(None));
         let note = |failure: &Arc<Mutex<Option<String>>>, text: String| {
@@ -93,7 +92,7 @@ impl Gpu {
         Self { has_timestamps: false, device, queue, adapter: name, failure }
     }
 
-    /// Whether the adapter is a program that stands in for a GPU.
+    /// True if the adapter is a software driver.
     pub fn is_software(&self) -> bool {
         ["llvmpipe", "SwiftShader", "Basic Render"].iter().any(|name| self.adapter.contains(name))
     }
@@ -101,7 +100,7 @@ impl Gpu {
     /// The first error since the last call, if any.
     ///
     /// # Errors
-    /// [`Error::Numeric`] with what the driver said.
+    /// [`Error::Numeric`] with the driver's message.
     pub(crate) fn check(&self) -> Result<()> {
         match self.failure.lock().ok().and_then(|mut first| first.take()) {
             None => Ok(()),
@@ -115,7 +114,7 @@ impl Gpu {
         }
     }
 
-    /// Most bytes of a buffer with this use.
+    /// Largest size (bytes) of a buffer with this use.
     pub(crate) fn most_bytes(&self, usage: wgpu::BufferUsages) -> u64 {
         let limits = self.device.limits();
         if usage.contains(wgpu::BufferUsages::STORAGE) {
@@ -193,8 +192,7 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&bytes))
     }
 
-    /// Gives the device back at once: everything that is asked of it afterwards fails, as if it had
-    /// been lost.
+    /// Destroys the device at once: all later calls fail, as if it had been lost.
     pub fn destroy(&self) {
         self.device.destroy();
     }

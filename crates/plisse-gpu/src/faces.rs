@@ -1,20 +1,20 @@
-//! Faces that the twins laid out, ready to be drawn: what an editor shows besides the frames of
-//! [`crate::Live`], such as a solved surface or colours that stand for numbers.
+//! Faces that the processor laid out, ready to be drawn: an editor shows them besides the frames of
+//! [`crate::Live`], for example a solved surface, or colours that stand for numbers.
 
 use plisse::Result;
 use plisse_live::render::Corner;
 
+use crate::buffers::{FACE_FLOATS, FaceBatch};
 use crate::device::Gpu;
-use crate::live::{Batch, FACE_FLOATS};
 
-/// Gathered faces that come from the processor.
+/// Gathered faces from the processor.
 pub struct Faces {
-    pub(crate) batches: Vec<Batch>,
+    pub(crate) batches: Vec<FaceBatch>,
     count: usize,
 }
 
 impl Faces {
-    /// Takes `faces` to the adapter.
+    /// Uploads `faces` to the adapter.
     ///
     /// # Errors
     /// [`plisse::Error::Numeric`] if the device fails.
@@ -23,14 +23,14 @@ impl Faces {
         let most = ((gpu.most_bytes(usage) / (4 * FACE_FLOATS as u64)) as usize).max(1);
         let mut batches = Vec::new();
         for (i, part) in faces.chunks(most).enumerate() {
-            let buffer = gpu.buffer("faces", &laid_out(part), usage)?;
-            batches.push(Batch { faces: buffer, range: [i * most, i * most + part.len()] });
+            let buffer = gpu.buffer("faces", &packed(part), usage)?;
+            batches.push(FaceBatch { faces: buffer, range: [i * most, i * most + part.len()] });
         }
         gpu.check()?;
         Ok(Self { batches, count: faces.len() })
     }
 
-    /// Replaces the faces; buffers stay where their number does.
+    /// Replaces the faces. Buffers are kept if there are as many faces as before.
     ///
     /// # Errors
     /// As [`Faces::new`].
@@ -40,14 +40,14 @@ impl Faces {
         } else {
             self.batches
                 .iter()
-                .for_each(|b| gpu.write(&b.faces, &laid_out(&faces[b.range[0]..b.range[1]])));
+                .for_each(|b| gpu.write(&b.faces, &packed(&faces[b.range[0]..b.range[1]])));
         }
         gpu.check()
     }
 }
 
-/// As gather.wgsl leaves them.
-fn laid_out(faces: &[[Corner; 3]]) -> Vec<[f32; FACE_FLOATS]> {
+/// The faces in the layout of gather.wgsl.
+fn packed(faces: &[[Corner; 3]]) -> Vec<[f32; FACE_FLOATS]> {
     let one = |corners: &[Corner; 3]| {
         let mut face = [0.0; FACE_FLOATS];
         for (c, corner) in corners.iter().enumerate() {

@@ -1,15 +1,19 @@
 //! The `wgpu` host of the real-time stages: buffers, passes, timers, pictures.
 //!
-//! The stages themselves and their twins are in `plisse-live`; nothing here computes anything that
-//! they do not. [`Gpu`] is the adapter, [`Live`] the buffers of one or several characters whose
-//! frames it makes, [`Painter`] draws them.
-//! [`Faces`] are faces that come from the processor instead. [`Average`] leaves a picture on the adapter. [`memory_speed`] is what
-//! the stages' times are measured against.
+//! The stages themselves and their CPU references are in `plisse-live`; this crate computes nothing
+//! that they do not. [`Gpu`] is the adapter, [`Live`] holds the buffers of one or several
+//! characters and makes their frames, [`Painter`] draws them. [`GpuBackend`] is all three for the
+//! recording of one model. [`Faces`] are faces that the processor laid out. [`Average`] leaves a
+//! picture on the adapter. [`memory_speed`] is the scale for the stages' times.
 
 mod arrays;
 mod average;
+mod backend;
+mod buffers;
 mod device;
 mod faces;
+mod kernel;
+mod kernels;
 mod live;
 mod memory;
 mod painter;
@@ -17,10 +21,10 @@ mod timer;
 
 pub use arrays::Character;
 pub use average::Average;
+pub use backend::GpuBackend;
 pub use device::Gpu;
 pub use faces::Faces;
-pub use live::{Live, Waves};
+pub use live::Live;
 pub use memory::memory_speed;
 pub use painter::Painter;
-pub use timer::{STAGES, StageTimes};
 pub use wgpu;

@@ -1,4 +1,4 @@
-// A copy, to see how fast the adapter's memory is.
+// A copy, to measure the speed of the adapter's memory.
 
 @group(0) @binding(0) var<storage, read> source: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> copy: array<vec4f>;

@@ -6,12 +6,14 @@ use plisse::{Error, Result};
 use plisse_live::camera::Camera;
 use plisse_live::draw::{BACKGROUND, Look, Picture};
 use plisse_live::shade::{from_srgb, to_srgb};
+use plisse_live::stage::Stage;
 use plisse_live::texture::Texture;
 use plisse_live::wgsl;
 
+use crate::buffers::{FACE_FLOATS, FaceBatch};
 use crate::device::Gpu;
 use crate::faces::Faces;
-use crate::live::{Batch, FACE_FLOATS, Live};
+use crate::live::Live;
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -44,6 +46,12 @@ impl Scene {
     }
 }
 
+/// A range of faces (first and the one after the last) with the texture they are drawn with.
+struct Part<'a> {
+    faces: [usize; 2],
+    arguments: &'a wgpu::BindGroup,
+}
+
 /// Draws pictures of one size.
 pub struct Painter {
     pub(crate) size: [usize; 2],
@@ -60,8 +68,9 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// For pictures of `size` (width, height) pixels, with the base colour of each character.
-    /// `samples`: of each pixel along each side; pictures are as the twin's with
+    /// A painter for pictures of `size` (width, height) pixels, with the base colour of each
+    /// character. `samples`: of each pixel along each side; pictures are as those of the CPU
+    /// reference with
     /// [`plisse_live::draw::SAMPLES`].
     ///
     /// # Errors
@@ -86,36 +95,7 @@ impl Painter {
             usage,
             mapped_at_creation: false,
         });
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::Repeat,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
-        let layout = pipeline.get_bind_group_layout(0);
-        let arguments = textures
-            .iter()
-            .map(|texture| {
-                let view = upload(gpu, texture);
-                let entries = [
-                    wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: wgpu::BindingResource::TextureView(&view),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 2,
-                        resource: wgpu::BindingResource::Sampler(&sampler),
-                    },
-                ];
-                gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("look"),
-                    layout: &layout,
-                    entries: &entries,
-                })
-            })
-            .collect();
+        let arguments = bind_groups(gpu, &pipeline, &scene, textures);
         let texture = |format, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("picture"),
@@ -146,15 +126,21 @@ impl Painter {
     }
 
     /// Draws the last frame of `live`, whose characters are those the painter was made for, without
-    /// waiting for it (but see [`crate::StageTimes`]).
+    /// waiting for it (but see [`Live::times_ms`]).
     ///
     /// # Errors
     /// [`Error::Numeric`] if the device fails.
     pub fn draw(&self, gpu: &Gpu, live: &mut Live, camera: &Camera, look: &Look<'_>) -> Result<()> {
-        let batches: Vec<&Batch> = live.batches.iter().collect();
-        let parts: Vec<_> = live.parts.iter().map(|part| part.faces).zip(&self.arguments).collect();
-        let encoder = self.encode(gpu, &batches, &parts, camera, look, live.timer.render(4));
-        live.timer.submit(gpu, 4, encoder)?;
+        let parts: Vec<Part<'_>> = live
+            .ranges
+            .iter()
+            .zip(&self.arguments)
+            .map(|(ranges, arguments)| Part { faces: ranges.faces, arguments })
+            .collect();
+        gpu.write(&self.scene, &[Scene::new(camera, look)]);
+        let timestamps = live.timer.render(Stage::Render);
+        let encoder = self.encode(gpu, &live.batches, &parts, timestamps);
+        live.timer.submit(gpu, Stage::Render, encoder)?;
         gpu.check()
     }
 
@@ -177,24 +163,21 @@ impl Painter {
                 format!("there is no number {texture}; give one below {}", self.arguments.len()),
             ));
         };
-        let batches: Vec<&Batch> = faces.batches.iter().collect();
-        let encoder =
-            self.encode(gpu, &batches, &[([0, usize::MAX], arguments)], camera, look, None);
+        gpu.write(&self.scene, &[Scene::new(camera, look)]);
+        let whole = Part { faces: [0, usize::MAX], arguments };
+        let encoder = self.encode(gpu, &faces.batches, &[whole], None);
         gpu.queue.submit([encoder.finish()]);
         gpu.check()
     }
 
-    /// One pass over all `batches`; `parts` are ranges of faces with what they are drawn with.
+    /// One pass over all `batches`.
     fn encode(
         &self,
         gpu: &Gpu,
-        batches: &[&Batch],
-        parts: &[([usize; 2], &wgpu::BindGroup)],
-        camera: &Camera,
-        look: &Look<'_>,
+        batches: &[FaceBatch],
+        parts: &[Part<'_>],
         timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::CommandEncoder {
-        gpu.write(&self.scene, &[Scene::new(camera, look)]);
         let [r, g, b] = BACKGROUND.map(|c| f64::from(from_srgb(c)));
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let view = self.colour.create_view(&Default::default());
@@ -224,7 +207,7 @@ impl Painter {
         pass.set_pipeline(&self.pipeline);
         for batch in batches {
             pass.set_vertex_buffer(0, batch.faces.slice(..));
-            for (faces, arguments) in parts {
+            for Part { faces, arguments } in parts {
                 let [from, to] = faces
                     .map(|f| (f.clamp(batch.range[0], batch.range[1]) - batch.range[0]) as u32);
                 if from < to {
@@ -327,6 +310,45 @@ fn pipeline(gpu: &Gpu) -> wgpu::RenderPipeline {
         multiview_mask: None,
         cache: None,
     })
+}
+
+/// The arguments of the pipeline with each texture.
+fn bind_groups(
+    gpu: &Gpu,
+    pipeline: &wgpu::RenderPipeline,
+    scene: &wgpu::Buffer,
+    textures: &[&Texture],
+) -> Vec<wgpu::BindGroup> {
+    let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_u: wgpu::AddressMode::Repeat,
+        address_mode_v: wgpu::AddressMode::Repeat,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        ..Default::default()
+    });
+    let layout = pipeline.get_bind_group_layout(0);
+    textures
+        .iter()
+        .map(|texture| {
+            let view = upload(gpu, texture);
+            let entries = [
+                wgpu::BindGroupEntry { binding: 0, resource: scene.as_entire_binding() },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(&view),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::Sampler(&sampler),
+                },
+            ];
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("look"),
+                layout: &layout,
+                entries: &entries,
+            })
+        })
+        .collect()
 }
 
 fn upload(gpu: &Gpu, texture: &Texture) -> wgpu::TextureView {

@@ -1,19 +1,12 @@
-//! Milliseconds of each stage: by timestamps on the device, or, with a driver that stands in for
-//! one, by the clock around each stage (such drivers stamp passes when they queue them, not when
-//! they run).
+//! Milliseconds of each stage: by timestamps on the device, or by the clock around each stage with
+//! a software driver (such drivers stamp passes when they queue them, not when they run).
 
 use web_time::Instant;
 
 use plisse::Result;
+use plisse_live::stage::{PerStage, Stage, StageTimes};
 
 use crate::device::Gpu;
-
-/// Names of the stages that are timed, in their order.
-pub const STAGES: [&str; 5] = ["skin", "crush", "relax", "gather", "render"];
-
-/// Milliseconds of each of [`STAGES`] in the last frame; none where the stage did not run or the
-/// adapter cannot tell.
-pub type StageTimes = [Option<f64>; 5];
 
 /// Bytes between resolved stages, as wgpu asks for.
 const SLOT: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
@@ -21,8 +14,8 @@ const SLOT: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 pub(crate) enum Timer {
     Stamps(Stamps),
     /// Milliseconds of the last frame.
-    Clock([f64; 5]),
-    /// The adapter cannot tell.
+    Clock(PerStage<f64>),
+    /// The adapter cannot be timed.
     None,
 }
 
@@ -36,13 +29,13 @@ pub(crate) struct Stamps {
 impl Timer {
     pub(crate) fn new(gpu: &Gpu) -> Self {
         if gpu.is_software() {
-            Self::Clock([0.0; 5])
+            Self::Clock(PerStage::default())
         } else {
             Stamps::new(gpu).map_or(Self::None, Self::Stamps)
         }
     }
 
-    pub(crate) fn compute(&self, stage: usize) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+    pub(crate) fn compute(&self, stage: Stage) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let Self::Stamps(stamps) = self else { return None };
         Some(wgpu::ComputePassTimestampWrites {
             query_set: &stamps.queries,
@@ -51,7 +44,7 @@ impl Timer {
         })
     }
 
-    pub(crate) fn render(&self, stage: usize) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+    pub(crate) fn render(&self, stage: Stage) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let Self::Stamps(stamps) = self else { return None };
         Some(wgpu::RenderPassTimestampWrites {
             query_set: &stamps.queries,
@@ -60,11 +53,11 @@ impl Timer {
         })
     }
 
-    /// Submits what was encoded for `stage`; waits for it where the clock is what tells.
+    /// Submits the commands of `stage`; waits for them where the clock times them.
     pub(crate) fn submit(
         &mut self,
         gpu: &Gpu,
-        stage: usize,
+        stage: Stage,
         encoder: wgpu::CommandEncoder,
     ) -> Result<()> {
         let begun = Instant::now();
@@ -76,12 +69,12 @@ impl Timer {
         Ok(())
     }
 
-    /// What the stages in `ran` took. Waits for them.
-    pub(crate) fn times(&self, gpu: &Gpu, ran: [bool; 5]) -> Result<StageTimes> {
+    /// Milliseconds of the stages in `ran`; waits for them.
+    pub(crate) fn times(&self, gpu: &Gpu, ran: &PerStage<bool>) -> Result<StageTimes> {
         match self {
             Self::Stamps(stamps) => stamps.times(gpu, ran),
-            Self::Clock(ms) => Ok(std::array::from_fn(|s| ran[s].then_some(ms[s]))),
-            Self::None => Ok([None; 5]),
+            Self::Clock(ms) => Ok(PerStage::from_fn(|stage| ran[stage].then_some(ms[stage]))),
+            Self::None => Ok(StageTimes::default()),
         }
     }
 }
@@ -89,9 +82,9 @@ impl Timer {
 impl Stamps {
     /// `None` where the adapter has none.
     fn new(gpu: &Gpu) -> Option<Self> {
-        let count = 2 * STAGES.len() as u32;
+        let count = 2 * Stage::ALL.len() as u32;
         let buffer = |usage| {
-            let size = SLOT * STAGES.len() as u64;
+            let size = SLOT * Stage::ALL.len() as u64;
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("times"),
                 size,
@@ -110,10 +103,10 @@ impl Stamps {
         })
     }
 
-    fn times(&self, gpu: &Gpu, ran: [bool; 5]) -> Result<StageTimes> {
+    fn times(&self, gpu: &Gpu, ran: &PerStage<bool>) -> Result<StageTimes> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         // Only what was written: others would be waited for, forever.
-        for stage in (0..STAGES.len()).filter(|&s| ran[s]) {
+        for stage in Stage::ALL.into_iter().filter(|&stage| ran[stage]) {
             let first = 2 * stage as u32;
             encoder.resolve_query_set(
                 &self.queries,
@@ -126,10 +119,11 @@ impl Stamps {
         gpu.queue.submit([encoder.finish()]);
         let ticks: Vec<u64> = gpu.map(&self.readable)?;
         self.readable.unmap();
-        let of = |stage: usize| &ticks[stage * SLOT as usize / 8..];
+        let of = |stage: Stage| &ticks[stage as usize * SLOT as usize / 8..];
         let period_ms = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        Ok(std::array::from_fn(|s| {
-            ran[s].then(|| of(s)[1].saturating_sub(of(s)[0]) as f64 * period_ms)
+        Ok(PerStage::from_fn(|stage| {
+            let stamps = of(stage);
+            ran[stage].then(|| stamps[1].saturating_sub(stamps[0]) as f64 * period_ms)
         }))
     }
 }

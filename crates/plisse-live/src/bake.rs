@@ -1,45 +1,35 @@
-//! Live waves for the library's baker: maps of one frame, in the model's own texture space.
+//! Maps of one frame by the library's baker, in the model's own texture space.
 
 use plisse::bake::{Baked, Options, Sample, Surface};
 use plisse::{Error, Result};
 
 use crate::gather::gather;
-use crate::live::LiveState;
+use crate::live::Frame;
 use crate::model::Model;
 use crate::profile::Profile;
 use crate::render::FaceWaves;
-use crate::skin::Skinned;
-use crate::unify::Unified;
+use crate::weld::WeldedMesh;
 
-/// `[F]` the faces of `model` as they are drawn: corners posed as `draw` (`[V]`, of the draw
-/// vertices) with the waves of their unified vertices.
-pub fn faces(
-    model: &Model,
-    unified: &Unified,
-    draw: &Skinned,
-    state: &LiveState,
-) -> Vec<FaceWaves> {
-    gather(model, unified, &state.posed, draw, &state.crushed, &state.phase)
-        .into_iter()
-        .map(FaceWaves::new)
-        .collect()
+/// `[F]` the faces of `model` as they are drawn in `frame`: draw vertices with the waves of their
+/// welded vertices.
+pub fn faces(model: &Model, welded: &WeldedMesh, frame: &Frame<'_>) -> Vec<FaceWaves> {
+    gather(model, welded, frame).into_iter().map(FaceWaves::new).collect()
 }
 
-/// Height and normal maps of `model` in the frame that `state` holds and `draw` (`[V]`) poses, eqs.
-/// 5, 7 and 8.
+/// Height and normal maps of `model` in `frame`, eqs. 5, 7 and 8.
 ///
 /// # Errors
 /// [`Error::Value`] for a model without texture coordinates; as [`plisse::bake::bake`].
 pub fn bake(
     model: &Model,
-    unified: &Unified,
-    draw: &Skinned,
-    state: &LiveState,
+    welded: &WeldedMesh,
+    frame: &Frame<'_>,
     profile: &Profile,
     options: &Options,
 ) -> Result<Baked> {
     check(model)?;
-    let waves = faces(model, unified, draw, state);
+    let wave_faces = faces(model, welded, frame);
+    let draw = frame.drawn;
     let wide =
         |x: &crate::Vec3| plisse::mesh::Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
     let positions: Vec<_> = draw.positions.iter().map(wide).collect();
@@ -59,18 +49,18 @@ pub fn bake(
         uv_faces: &corners,
     };
     let sample = |f: usize, weights: [f64; 3]| {
-        let point = waves[f].at(weights.map(|w| w as f32), profile);
+        let point = wave_faces[f].at(weights.map(|w| w as f32), profile);
         Sample { height_m: f64::from(point.height_m), gradient: wide(&point.gradient) }
     };
     plisse::bake::bake(&surface, sample, options)
 }
 
-/// Whether `model` has texture coordinates at all; files without come in with zeros.
+/// Checks that `model` has texture coordinates; models from files without any have zeros.
 ///
 /// # Errors
-/// [`Error::Value`] if not.
+/// [`Error::Value`] if it has none.
 pub fn check(model: &Model) -> Result<()> {
-    if model.uvs.iter().all(|uv| *uv == model.uvs[0]) {
+    if !model.has_uvs() {
         let message =
             "there are none to bake into; unwrap the model (\"UV unwrap\") and export it again";
         return Err(Error::value(format!("{}, texture coordinates", model.name), message));

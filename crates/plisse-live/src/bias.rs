@@ -1,8 +1,8 @@
-//! Wrinkles of the rest pose (section 7): one vector per unified vertex, in rest space and
+//! Wrinkles of the rest pose (section 7): one vector per welded vertex, in rest space and
 //! tangential, along which the surface counts as shortened by |p|². Painted, read from a file, or
 //! random.
 //!
-//! The file is JSON, `{"bias": [[x, y, z], …]}`: a vector (no unit) for each unified vertex, in
+//! The file is JSON, `{"bias": [[x, y, z], …]}`: a vector (no unit) for each welded vertex, in
 //! their order; of a length below 1.
 
 use std::io::Write;
@@ -13,25 +13,25 @@ use serde_json::Value;
 
 use crate::Vec3;
 use crate::relax::random_phases;
-use crate::unify::Unified;
+use crate::weld::WeldedMesh;
 
-/// Rounds in which random vectors are mixed with their neighbours'.
+/// Number of rounds in which random vectors are averaged with their neighbours'.
 const ROUNDS: usize = 12;
-/// Longest random vector.
+/// Length of the longest random vector (no unit); at 1 a surface would count as fully compressed.
 const LONGEST: f32 = 0.95;
 
 /// Random vectors `[U]`, smooth over some edges: the longest has the length `amount` (0 to 0.95; 0
 /// gives none), others are shorter. The same for the same `seed` on every machine.
-pub fn random(unified: &Unified, amount: f32, seed: u64) -> Vec<Vec3> {
+pub fn random(welded: &WeldedMesh, amount: f32, seed: u64) -> Vec<Vec3> {
     let (angles, lengths) =
-        (random_phases(unified.count(), seed), random_phases(unified.count(), seed ^ 0x5EED));
+        (random_phases(welded.count(), seed), random_phases(welded.count(), seed ^ 0x5EED));
     let tangential = |v: usize, x: Vec3| {
-        let n = &unified.vertices.normals[v];
+        let n = &welded.vertices.normals[v];
         x - n * n.dot(&x)
     };
-    let mut vectors: Vec<Vec3> = (0..unified.count())
+    let mut vectors: Vec<Vec3> = (0..welded.count())
         .map(|v| {
-            let n = unified.vertices.normals[v];
+            let n = welded.vertices.normals[v];
             let axis = if n.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
             let Some(t) =
                 tangential(v, axis).try_normalize(1e-6).filter(|_| n.norm_squared() > 0.25)
@@ -43,9 +43,9 @@ pub fn random(unified: &Unified, amount: f32, seed: u64) -> Vec<Vec3> {
         })
         .collect();
     for _ in 0..ROUNDS {
-        vectors = (0..unified.count())
+        vectors = (0..welded.count())
             .map(|v| {
-                let around = unified.around(v);
+                let around = welded.around(v);
                 // A bias has no sign, so neighbours are turned alike before they are mixed.
                 let turned = |&n: &u32| {
                     if vectors[n as usize].dot(&vectors[v]) < 0.0 {
@@ -68,11 +68,11 @@ pub fn random(unified: &Unified, amount: f32, seed: u64) -> Vec<Vec3> {
     vectors.iter().map(|p| p * scale).collect()
 }
 
-/// Reads the file `path` for a model of `count` unified vertices.
+/// Reads the file `path` for a model of `count` welded vertices.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Value`] naming file and vertex for: no such JSON, another number of vectors, a vector
-/// that has not three numbers or is not shorter than 1.
+/// [`Error::File`] if it cannot be read; [`Error::Value`] naming file and vertex for: no such JSON,
+/// another number of vectors, a vector that has not three numbers or is not shorter than 1.
 pub fn read(path: &Path, count: usize) -> Result<Vec<Vec3>> {
     let text = plisse::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::value(path.display().to_string(), message);
@@ -83,7 +83,7 @@ pub fn read(path: &Path, count: usize) -> Result<Vec<Vec3>> {
     };
     if list.len() != count {
         let message = format!(
-            "it has {} vectors, but the model has {count} unified vertices; give one for each",
+            "it has {} vectors, but the model has {count} welded vertices; give one for each",
             list.len()
         );
         return Err(bad(message));
@@ -104,7 +104,7 @@ pub fn read(path: &Path, count: usize) -> Result<Vec<Vec3>> {
 /// Writes `bias` (`[U]`) as [`read`] takes it.
 ///
 /// # Errors
-/// What the writer says.
+/// Any error of `out`.
 pub fn write<W: Write + ?Sized>(out: &mut W, bias: &[Vec3]) -> std::io::Result<()> {
     let list: Vec<[f32; 3]> = bias.iter().map(|&p| p.into()).collect();
     serde_json::to_writer(&mut *out, &serde_json::json!({"bias": list}))?;
@@ -117,22 +117,22 @@ mod tests {
 
     #[test]
     fn random_vectors_are_tangential_smooth_and_short() {
-        let unified = Unified::new(&crate::models::sleeve(), 1e-5);
-        let bias = random(&unified, 0.6, 3);
+        let welded = WeldedMesh::new(&crate::models::sleeve(), 1e-5);
+        let bias = random(&welded, 0.6, 3);
         let longest = bias.iter().map(|p| p.norm()).fold(0.0, f32::max);
         assert!((longest - 0.6).abs() < 1e-4);
-        assert!((0..bias.len()).all(|v| bias[v].dot(&unified.vertices.normals[v]).abs() < 1e-4));
+        assert!((0..bias.len()).all(|v| bias[v].dot(&welded.vertices.normals[v]).abs() < 1e-4));
         // Neighbours agree in direction, up to sign; vectors of unsmoothed noise do so by 2/π only.
         let pairs =
-            (0..bias.len()).flat_map(|v| unified.around(v).iter().map(move |&n| (v, n as usize)));
+            (0..bias.len()).flat_map(|v| welded.around(v).iter().map(move |&n| (v, n as usize)));
         let agree: Vec<f32> =
             pairs.map(|(v, n)| bias[v].normalize().dot(&bias[n].normalize()).abs()).collect();
         let mean = agree.iter().sum::<f32>() / agree.len() as f32;
         assert!(mean > 0.85, "{mean}");
-        assert_eq!(bias, random(&unified, 0.6, 3));
-        assert_ne!(bias, random(&unified, 0.6, 4));
-        assert!(random(&unified, 0.0, 3).iter().all(|p| *p == Vec3::zeros()));
-        assert!(random(&unified, 5.0, 3).iter().all(|p| p.norm() < 1.0));
+        assert_eq!(bias, random(&welded, 0.6, 3));
+        assert_ne!(bias, random(&welded, 0.6, 4));
+        assert!(random(&welded, 0.0, 3).iter().all(|p| *p == Vec3::zeros()));
+        assert!(random(&welded, 5.0, 3).iter().all(|p| p.norm() < 1.0));
     }
 
     #[test]

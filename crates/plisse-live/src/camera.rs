@@ -1,4 +1,4 @@
-//! A perspective camera that looks at a model from where its wrinkles show.
+//! A perspective camera that looks at a model.
 
 use crate::shade::Light;
 use crate::{Mat4, Vec3};
@@ -6,10 +6,10 @@ use crate::{Mat4, Vec3};
 /// Vertical opening angle (rad).
 const OPENING_RAD: f32 = 0.5;
 
-/// Place and lens of a viewer. Right-handed; the sky is +y, as in glTF.
+/// Position and lens of a viewer. Right-handed; the sky is +y, as in glTF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Place of the eye (m).
+    /// Position of the eye (m).
     pub eye: Vec3,
     /// The point in the middle of the picture (m).
     pub target: Vec3,
@@ -20,8 +20,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Holds all of `positions` (those that are finite), seen from `yaw_rad` to the right of +z and
-    /// `pitch_rad` above the horizon.
+    /// A camera that holds all of `positions` (those that are finite), seen from `yaw_rad` to the
+    /// right of +z and `pitch_rad` above the horizon.
     pub fn fit<'a>(
         positions: impl Iterator<Item = &'a Vec3> + Clone,
         yaw_rad: f32,
@@ -63,7 +63,7 @@ impl Camera {
         Self { eye: target + back * distance, target, depth, aspect }
     }
 
-    /// Sees everything `factor` times as large.
+    /// A camera that sees everything `factor` times as large.
     pub fn nearer(&self, factor: f32) -> Self {
         let away = self.eye - self.target;
         let depth =
@@ -104,7 +104,7 @@ impl Camera {
     }
 }
 
-/// Right and up of a viewer who looks against `back`.
+/// Directions to the right and up of a viewer who looks against `back`.
 fn frame(back: &Vec3) -> (Vec3, Vec3) {
     let right = Vec3::y().cross(back).try_normalize(1e-6).unwrap_or_else(Vec3::x);
     (right, back.cross(&right))

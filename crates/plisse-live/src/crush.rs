@@ -1,10 +1,9 @@
-//! Stage "Crush" (4.2, 5.1): how strongly and where to the surface is compressed around each
-//! vertex.
+//! Stage "Crush" (4.2, 5.1): the strength and direction of the compression around each vertex.
 //!
-//! Departs from the paper in three points. Amplitude comes with its share of the largest possible
-//! one (W/4), which is what Relax weighs by, so that nothing depends on the model's size. The wave
-//! vector is 2π/W·k′ (rad/m), so that the wavelength may differ from vertex to vertex. And an
-//! eigenvector has no sign, so each frame's is turned to agree with the last one's: then the phase
+//! It departs from the paper in three points. Amplitude comes with its share of the largest
+//! possible one (W/4); Relax weighs by this share, so that nothing depends on the model's size. The
+//! wave vector is 2π/W·k′ (rad/m), so that the wavelength may differ from vertex to vertex. An
+//! eigenvector has no sign, so each frame's is turned to agree with the last one's; then the phase
 //! needs no flipping (the profile is even: turning k′ and φ together changes nothing).
 
 use std::f32::consts::TAU;
@@ -12,21 +11,21 @@ use std::f32::consts::TAU;
 use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 
-use crate::skin::Skinned;
-use crate::unify::Unified;
+use crate::skin::PosedVertices;
+use crate::weld::WeldedMesh;
 use crate::{CHUNK, Vec3, wrap};
 
-/// Least compression r that wave vectors follow: below, k′ (which grows like 1/r) stays at this
-/// one's length.
+/// Smallest singular value r that wave vectors follow (no unit). Below it k′, which grows like 1/r,
+/// keeps this one's length: waves four times finer than asked for are of no use.
 pub const LEAST_R: f32 = 0.25;
-/// 1 − r² below this is round-off of f32, which the root of eq. 2 would magnify: it counts as no
-/// compression.
+/// Round-off of 1 − r² in f32 (no unit). Less than this counts as no compression, because the root
+/// of eq. 2 would magnify it.
 pub(crate) const ROUND_OFF: f32 = 2e-6;
-/// Σ v⊗v with a smaller ratio of eigenvalues than this (neighbours all in one line) tells nothing
-/// across it.
+/// Ratio of the eigenvalues of Σ v⊗v (no unit) below which the neighbours lie in one line and tell
+/// nothing across it.
 pub(crate) const SINGULAR: f32 = 1e-5;
 
-/// What Crush knows of each vertex besides the mesh.
+/// Data of each vertex that Crush reads besides the mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct CrushInput<'a> {
     /// `[U]` wavelength W (m, rest), or one for all.
@@ -40,7 +39,7 @@ pub struct CrushInput<'a> {
 
 /// The plane wave of each vertex, but for its phase.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Crushed {
+pub struct PlaneWaves {
     /// `[U]` amplitude h (m), eq. 2, in [0, W/4].
     pub amplitude_m: Vec<f32>,
     /// `[U]` share of the largest amplitude, √max(1 − r², 0), in [0, 1].
@@ -50,17 +49,17 @@ pub struct Crushed {
     /// `[U]` unit direction k of strongest compression (rest space, tangential); zero at singular
     /// vertices.
     pub direction: Vec<Vec3>,
-    /// Vertices where no direction can be told (h = 0 there): fewer than two neighbours, or all in
-    /// one line.
+    /// Number of singular vertices: they have fewer than two neighbours, or all in one line, so no
+    /// direction can be told and h = 0.
     pub singular: usize,
 }
 
-/// Measures the compression from the rest pose of `unified` to `posed`.
-pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crushed {
+/// Measures the compression from the rest pose of `welded` to `posed`.
+pub fn crush(welded: &WeldedMesh, posed: &PosedVertices, input: &CrushInput<'_>) -> PlaneWaves {
     let at = |v: usize| {
         let wavelength_m = *input.wavelength_m.get(v).unwrap_or(&input.wavelength_m[0]);
         let bias = input.bias.get(v).copied().unwrap_or_else(Vec3::zeros);
-        let found = crush_vertex(unified, posed, v, &bias);
+        let found = crush_vertex(welded, posed, v, &bias);
         let (r, mut k, mut k_posed) = found.unwrap_or((1.0, Vec3::zeros(), Vec3::zeros()));
         if input.last_direction.get(v).is_some_and(|last| last.dot(&k) < 0.0) {
             (k, k_posed) = (-k, -k_posed);
@@ -72,10 +71,10 @@ pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crus
             found.is_none(),
         )
     };
-    let vertices = (0..unified.count()).into_par_iter().with_min_len(CHUNK);
+    let vertices = (0..welded.count()).into_par_iter().with_min_len(CHUNK);
     let (((amplitude_m, strength), (wave, direction)), singular): (((_, _), (_, _)), Vec<bool>) =
         vertices.map(at).unzip();
-    Crushed {
+    PlaneWaves {
         amplitude_m,
         strength,
         wave,
@@ -87,13 +86,13 @@ pub fn crush(unified: &Unified, posed: &Skinned, input: &CrushInput<'_>) -> Crus
 /// r, k (rest) and k′ (posed) at vertex `v`; `None` where the neighbours do not span the tangent
 /// plane.
 fn crush_vertex(
-    unified: &Unified,
-    posed: &Skinned,
+    welded: &WeldedMesh,
+    posed: &PosedVertices,
     v: usize,
     bias: &Vec3,
 ) -> Option<(f32, Vec3, Vec3)> {
-    let rest = &unified.vertices;
-    let around = unified.around(v);
+    let rest = &welded.vertices;
+    let around = welded.around(v);
     let (t, b) = frame(&rest.positions, &rest.normals, v, around)?;
     let (t_posed, b_posed) = frame(&posed.positions, &posed.normals, v, around)?;
     let (mut moved, mut gram) = (Matrix2::<f32>::zeros(), Matrix2::<f32>::zeros());
@@ -113,8 +112,8 @@ fn crush_vertex(
     let q = Vector2::new(t.dot(bias), b.dot(bias));
     let m = moved * gram.try_inverse()? * (Matrix2::identity() - q * q.transpose());
     let (r, weak) = weakest(&m)?;
-    // k′ = M⁻ᵀk = u/r, u being where M sends k (of unit length); taken across the other direction's
-    // image where r is tiny.
+    // k′ = M⁻ᵀk = u/r with u = Mk, of unit length; taken across the other direction's image, since
+    // r may be tiny.
     let strong = Vector2::new(-weak.y, weak.x);
     let across = m * strong;
     let mut u = Vector2::new(across.y, -across.x).try_normalize(1e-20)?;
@@ -126,8 +125,8 @@ fn crush_vertex(
 }
 
 /// An orthonormal frame of the tangent plane at `v`: t along the first neighbour that is not above
-/// the vertex. Which one does not matter, nor whether both poses use the same: a turn of the frame
-/// cancels in r, k and k′.
+/// the vertex. Any neighbour will do, in each pose another: a turn of the frame cancels in r, k and
+/// k′.
 fn frame(positions: &[Vec3], normals: &[Vec3], v: usize, around: &[u32]) -> Option<(Vec3, Vec3)> {
     let n = normals[v];
     if n.norm_squared() < 0.25 {
@@ -169,7 +168,7 @@ fn weakest(m: &Matrix2<f32>) -> Option<(f32, Vector2<f32>)> {
 
 /// Share of vertices, among those with a strength of at least `least` in both frames, whose phase
 /// moved more than π/4 between two frames. Directions must have been aligned, as [`crush`] does.
-pub fn jumping(strength: [&[f32]; 2], phase: [&[f32]; 2], least: f32) -> f32 {
+pub fn phase_jump_share(strength: [&[f32]; 2], phase: [&[f32]; 2], least: f32) -> f32 {
     let wrinkled = |v: &usize| strength[0][*v] >= least && strength[1][*v] >= least;
     let jumps = |v: &usize| wrap(phase[1][*v] - phase[0][*v]).abs() > std::f32::consts::FRAC_PI_4;
     let both: Vec<usize> = (0..phase[0].len()).filter(wrinkled).collect();

@@ -1,5 +1,5 @@
-// Stage "Crush" (4.2, 5.1): the direction in which the surface around a vertex is compressed most,
-// and how much. Twin: crush.rs.
+// Stage "Crush" (4.2, 5.1): strength and direction of the compression around each vertex.
+// CPU reference: crush.rs.
 
 const TAU = 6.283185307;
 // As in crush.rs.
@@ -7,7 +7,7 @@ const LEAST_R = 0.25;
 const ROUND_OFF = 2e-6;
 const SINGULAR = 1e-5;
 
-struct Placed {
+struct Vertex {
     position: vec4f,
     normal: vec4f,
 }
@@ -20,8 +20,8 @@ struct Counts {
 }
 
 @group(0) @binding(0) var<uniform> counts: Counts;
-@group(0) @binding(1) var<storage, read> rest: array<Placed>;
-@group(0) @binding(2) var<storage, read> posed: array<Placed>;
+@group(0) @binding(1) var<storage, read> rest: array<Vertex>;
+@group(0) @binding(2) var<storage, read> posed: array<Vertex>;
 @group(0) @binding(3) var<storage, read> starts: array<u32>;
 @group(0) @binding(4) var<storage, read> neighbours: array<u32>;
 // xyz: painted bias p (rest space).
@@ -37,7 +37,8 @@ struct Frame {
     found: bool,
 }
 
-// Of the tangent plane with normal n, t along the first neighbour that is not above the vertex.
+// Frame of the tangent plane with normal n: t along the first neighbour that is not above the
+// vertex.
 fn rest_frame(v: u32, n: vec3f) -> Frame {
     if dot(n, n) >= 0.25 {
         for (var i = starts[v]; i < starts[v + 1u]; i++) {
@@ -124,7 +125,7 @@ fn crush_vertex(v: u32) -> Found {
     }
     let weak = vec2f(-axis.y, axis.x);
     let r = length(m * weak);
-    // k′ = u/r, u being where m sends k; taken across the other direction's image where r is tiny.
+    // k′ = u/r with u = m·k, taken across the other direction's image, since r may be tiny.
     let across = m * vec2f(-weak.y, weak.x);
     let size = length(across);
     if size <= 1e-20 {

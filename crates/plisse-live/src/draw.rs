@@ -1,8 +1,8 @@
-//! Pictures by stage "Render" on the processor: what the GPU's rasteriser does around the stage,
-//! for machines without one and as its twin.
+//! Pictures by stage "Render" on the processor: a rasteriser around the stage, for machines without
+//! a GPU and as the GPU's reference.
 //!
-//! Each pixel takes four samples, as the GPU host does. Samples are independent, so any number of
-//! threads gives the same bytes.
+//! Each pixel takes four samples, as on the GPU. Samples are independent, so any number of threads
+//! gives the same bytes.
 
 use plisse::picture::Image;
 use rayon::prelude::*;
@@ -14,12 +14,12 @@ use crate::shade::{from_srgb, shade, to_srgb};
 use crate::texture::Texture;
 use crate::{Vec2, Vec3};
 
-/// Samples of each pixel along each side.
+/// Number of samples of each pixel along each side.
 pub const SAMPLES: usize = 2;
 /// The background (sRGB).
 pub const BACKGROUND: [u8; 3] = [238, 240, 243];
 
-/// How faces look.
+/// The appearance of faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Look<'a> {
     /// Profile of the wrinkles.
@@ -28,7 +28,7 @@ pub struct Look<'a> {
     pub texture: &'a Texture,
     /// Linear colour that the base colour is multiplied with.
     pub colour: Vec3,
-    /// Whether the texture shifts with the wrinkles (6.2).
+    /// True if the texture shifts with the wrinkles (6.2).
     pub parallax: bool,
 }
 
@@ -37,17 +37,17 @@ pub struct Look<'a> {
 pub struct Picture {
     /// The picture.
     pub image: Image,
-    /// Pixels that show the model, at least in part.
+    /// Number of pixels that show the model, at least in part.
     pub covered: usize,
 }
 
 /// Draws `faces` as `camera` sees them on `size` (width, height) pixels.
 pub fn draw(faces: &[[Corner; 3]], look: &Look<'_>, camera: &Camera, size: [usize; 2]) -> Picture {
     let fine = size.map(|s| s * SAMPLES);
-    let faces: Vec<Projected> =
-        faces.iter().filter_map(|corners| Projected::new(corners, camera, fine)).collect();
+    let faces: Vec<ScreenFace> =
+        faces.iter().filter_map(|corners| ScreenFace::new(corners, camera, fine)).collect();
     let background: [f32; 3] = BACKGROUND.map(from_srgb);
-    // One row of pixels at a time; each row looks at the faces that reach it.
+    // Faces that reach each row of pixels.
     let mut rows: Vec<Vec<u32>> = vec![Vec::new(); size[1]];
     for (f, face) in faces.iter().enumerate() {
         for y in face.rows[0] / SAMPLES..=face.rows[1] / SAMPLES {
@@ -90,7 +90,7 @@ pub fn draw(faces: &[[Corner; 3]], look: &Look<'_>, camera: &Camera, size: [usiz
 }
 
 /// The pixel stage: linear colour of the point with these barycentric `weights`.
-fn pixel(face: &Projected, weights: [f32; 3], look: &Look<'_>, camera: &Camera) -> Vec3 {
+fn pixel(face: &ScreenFace, weights: [f32; 3], look: &Look<'_>, camera: &Camera) -> Vec3 {
     let point = face.waves.at(weights, look.profile);
     let to_viewer = camera.eye - point.position;
     let normal = if face.front { point.normal } else { -point.normal };
@@ -100,7 +100,7 @@ fn pixel(face: &Projected, weights: [f32; 3], look: &Look<'_>, camera: &Camera) 
 }
 
 /// A face on the screen.
-struct Projected {
+struct ScreenFace {
     waves: FaceWaves,
     /// Corners in samples, from the upper left; the third is depth.
     at: [Vec3; 3],
@@ -114,12 +114,11 @@ struct Projected {
     front: bool,
 }
 
-impl Projected {
+impl ScreenFace {
     fn new(corners: &[Corner; 3], camera: &Camera, size: [usize; 2]) -> Option<Self> {
         let map = camera.clip_from_world();
         let clip = corners.map(|c| map * c.position.push(1.0));
-        // Faces that reach behind the viewer are left out: cameras that fit the model never see
-        // one.
+        // Faces that reach behind the viewer are left out: cameras that fit the model have none.
         if clip.iter().any(|c| c.iter().any(|x| !x.is_finite()) || c.w <= 1e-6 || c.z < 0.0) {
             return None;
         }

@@ -1,116 +1,39 @@
-//! Wrinkled geometry from live waves: every face divided, the new vertices moved along their
-//! normals, into files that ordinary viewers open. One frame as a still, or many as morph targets
-//! of the first, which an animation shows one after the other.
-//!
-//! Vertices are moved along the normals of the unified surface, so that no crack opens at texture
-//! seams or hard edges; the normals in the file are those that Render shades with (eq. 7).
+//! Export of wrinkled geometry to files that ordinary viewers open: one frame as a still, or many
+//! as morph targets of the first, which an animation shows one after the other.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
 use plisse::{Error, Result};
 use serde_json::json;
 
-use crate::glb_out::{Glb, invalid, mesh_attributes};
-use crate::live::LiveState;
+use crate::Vec3;
+use crate::fine_mesh::{FineMesh, Lattice};
+use crate::glb_out::{Document, Glb, invalid, mesh_attributes};
 use crate::model::Model;
-use crate::profile::Profile;
-use crate::skin::Skinned;
-use crate::unify::Unified;
-use crate::{Vec2, Vec3, bake};
 
-/// Most bytes of a file.
+/// Largest size of a file (bytes), for viewers that read it whole.
 pub const MOST_BYTES: u64 = 512 << 20;
 
-/// A divided model. V' vertices, F·n² faces; both the same, in the same order, for every frame of
-/// one model and one n.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Fine {
-    /// `[V']` displaced positions (m); the first V belong to the model's draw vertices.
-    pub positions: Vec<Vec3>,
-    /// `[V']` unit normals.
-    pub normals: Vec<Vec3>,
-    /// `[V']` texture coordinates (v down).
-    pub uvs: Vec<Vec2>,
-    /// `[F·n²][3]` faces, those of one coarse face together.
-    pub faces: Vec<[u32; 3]>,
-}
-
-/// How the animation goes from frame to frame.
+/// The way from frame to frame of the animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Between {
+pub enum FrameInterpolation {
     /// Each frame stands until the next.
     Step,
     /// Each frame moves into the next.
     Linear,
 }
 
-/// Divides every face of `model` into `parts`² and displaces it by the waves of `state`, over draw
-/// vertices posed as `draw` (`[V]`).
-pub fn refine(
-    model: &Model,
-    unified: &Unified,
-    draw: &Skinned,
-    state: &LiveState,
-    profile: &Profile,
-    parts: usize,
-) -> Fine {
-    let parts = parts.max(1);
-    let waves = bake::faces(model, unified, draw, state);
-    let lattice = Lattice::new(&model.faces, draw.positions.len(), parts);
-    let mut fine = Fine {
-        positions: vec![Vec3::zeros(); lattice.count],
-        normals: vec![Vec3::zeros(); lattice.count],
-        uvs: vec![Vec2::zeros(); lattice.count],
-        faces: Vec::with_capacity(model.faces.len() * parts * parts),
-    };
-    // Draw vertices on no face stay where they are.
-    fine.positions[..draw.positions.len()].copy_from_slice(&draw.positions);
-    fine.normals[..draw.normals.len()].copy_from_slice(&draw.normals);
-    let mut seen = vec![false; lattice.count];
-    for (f, face) in model.faces.iter().enumerate() {
-        let up = unified.faces[f].map(|u| state.posed.normals[u as usize]);
-        let at = |i: usize, j: usize| lattice.vertex(f, face, i, j);
-        for i in 0..=parts {
-            for j in 0..=parts - i {
-                let weights = [parts - i - j, i, j].map(|w| w as f32 / parts as f32);
-                let (v, point) = (at(i, j), waves[f].at(weights, profile));
-                if !std::mem::replace(&mut seen[v], true) {
-                    let normal = up[0] * weights[0] + up[1] * weights[1] + up[2] * weights[2];
-                    let normal = normal.try_normalize(1e-20).unwrap_or(point.base_normal);
-                    fine.positions[v] = point.position + normal * point.height_m;
-                    fine.uvs[v] = point.uv;
-                    fine.normals[v] = Vec3::zeros();
-                }
-                fine.normals[v] += point.normal;
-            }
-        }
-        let id = |i: usize, j: usize| at(i, j) as u32;
-        for i in 0..parts {
-            for j in 0..parts - i {
-                fine.faces.push([id(i, j), id(i + 1, j), id(i, j + 1)]);
-                if i + j + 1 < parts {
-                    fine.faces.push([id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)]);
-                }
-            }
-        }
+/// Number of frames a second below which steps between frames would be seen.
+const SMOOTH_FPS: f64 = 24.0;
+
+impl FrameInterpolation {
+    /// Linear for animations with few frames a second, steps for others.
+    pub fn for_fps(fps: f64) -> Self {
+        if fps < SMOOTH_FPS { Self::Linear } else { Self::Step }
     }
-    fine.normals.iter_mut().for_each(|n| *n = n.try_normalize(1e-12).unwrap_or_else(Vec3::z));
-    fine
 }
 
-/// Parts of an edge at which the median edge of `unified` (rest) has `per_wave` parts to a
-/// wavelength (m); 1 to 64.
-pub fn suggest_parts(unified: &Unified, wavelength_m: f32, per_wave: f32) -> usize {
-    let x = &unified.vertices.positions;
-    let lengths = |v: usize| unified.around(v).iter().map(move |&n| (x[n as usize] - x[v]).norm());
-    let mut lengths: Vec<f32> = (0..unified.count()).flat_map(lengths).collect();
-    lengths.sort_by(f32::total_cmp);
-    let median = lengths.get(lengths.len() / 2).copied().unwrap_or(0.0);
-    (median / wavelength_m * per_wave).ceil().clamp(1.0, 64.0) as usize
-}
-
-/// Refuses what would make a file beyond [`MOST_BYTES`], before anything long begins.
+/// Refuses frames that would make a file beyond [`MOST_BYTES`], before anything long begins.
 ///
 /// # Errors
 /// [`Error::Value`] about the frames (or the parts, for one frame alone) with as many as would do.
@@ -145,12 +68,16 @@ pub fn check_size(model: &Model, parts: usize, frames: usize) -> Result<()> {
 /// Writes one frame as binary glTF, with the base colour image of `model`.
 ///
 /// # Errors
-/// What `out` says; [`io::ErrorKind::InvalidData`] for a number that is not finite.
-pub fn write_still<W: Write + ?Sized>(out: &mut W, model: &Model, fine: &Fine) -> io::Result<()> {
+/// Any error of `out`; [`io::ErrorKind::InvalidData`] for a number that is not finite.
+pub fn write_still<W: Write + ?Sized>(
+    out: &mut W,
+    model: &Model,
+    fine: &FineMesh,
+) -> io::Result<()> {
     let mut glb = Glb::default();
     let attributes = mesh_attributes(&mut glb, fine)?;
     let material = glb.material(model.base_colour.as_deref());
-    glb.write(out, attributes, material, json!({}), json!({}))
+    glb.write(out, Document { primitive: attributes, material, ..Document::default() })
 }
 
 /// Writes `frames` as binary glTF: the first as the mesh, each further one as a morph target, and
@@ -162,9 +89,9 @@ pub fn write_still<W: Write + ?Sized>(out: &mut W, model: &Model, fine: &Fine) -
 pub fn write_sequence<W: Write + ?Sized>(
     out: &mut W,
     model: &Model,
-    frames: &[Fine],
+    frames: &[FineMesh],
     fps: f32,
-    between: Between,
+    between: FrameInterpolation,
 ) -> io::Result<()> {
     let Some((first, others)) = frames.split_first() else {
         return Err(invalid("there are no frames to write".into()));
@@ -201,8 +128,8 @@ pub fn write_sequence<W: Write + ?Sized>(
         .collect();
     let (input, output) = (glb.numbers(&times, true)?, glb.numbers(&weights, false)?);
     let interpolation = match between {
-        Between::Step => "STEP",
-        Between::Linear => "LINEAR",
+        FrameInterpolation::Step => "STEP",
+        FrameInterpolation::Linear => "LINEAR",
     };
     attributes["targets"] = json!(targets);
     let material = glb.material(model.base_colour.as_deref());
@@ -211,59 +138,6 @@ pub fn write_sequence<W: Write + ?Sized>(
         "samplers": [{"input": input, "output": output, "interpolation": interpolation}],
         "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
     }]});
-    glb.write(out, attributes, material, json!({"weights": vec![0.0; others.len()]}), animation)
-}
-
-/// Numbers of the vertices of divided faces: draw vertices, then those on edges, then those inside
-/// faces.
-struct Lattice {
-    parts: usize,
-    corners: usize,
-    edges: HashMap<[u32; 2], usize>,
-    count: usize,
-}
-
-impl Lattice {
-    fn new(faces: &[[u32; 3]], corners: usize, parts: usize) -> Self {
-        let mut edges = HashMap::new();
-        for face in faces {
-            for k in 0..3 {
-                let (a, b) = (face[k], face[(k + 1) % 3]);
-                let next = edges.len();
-                edges.entry([a.min(b), a.max(b)]).or_insert(next);
-            }
-        }
-        let mut lattice = Self { parts, corners, edges, count: 0 };
-        lattice.count = lattice.count_at(parts, faces.len());
-        lattice
-    }
-
-    /// Vertices in all when edges have `parts` parts.
-    fn count_at(&self, parts: usize, faces: usize) -> usize {
-        self.corners + self.edges.len() * (parts - 1) + faces * inner(parts)
-    }
-
-    /// The vertex with barycentric coordinates (n − i − j, i, j)/n of face `f` with corners `face`.
-    fn vertex(&self, f: usize, face: &[u32; 3], i: usize, j: usize) -> usize {
-        let n = self.parts;
-        let steps = [n - i - j, i, j];
-        if let Some(k) = steps.iter().position(|&s| s == n) {
-            return face[k] as usize;
-        }
-        if let Some(k) = steps.iter().position(|&s| s == 0) {
-            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-            // Counted from the end with the lower number.
-            let from_low = if face[a] < face[b] { steps[b] } else { steps[a] };
-            let edge = self.edges[&[face[a].min(face[b]), face[a].max(face[b])]];
-            return self.corners + edge * (n - 1) + from_low - 1;
-        }
-        // Rows i = 1, 2, … have n − 1 − i vertices inside each.
-        let before = (i - 1) * (n - 1) - i * (i - 1) / 2;
-        self.corners + self.edges.len() * (n - 1) + f * inner(n) + before + j - 1
-    }
-}
-
-/// Vertices inside a face whose edges have `parts` parts.
-fn inner(parts: usize) -> usize {
-    (parts - 1) * parts.saturating_sub(2) / 2
+    let mesh = json!({"weights": vec![0.0; others.len()]});
+    glb.write(out, Document { primitive: attributes, material, mesh, document: animation })
 }

@@ -1,9 +1,10 @@
 //! Live waves to and from the library's [`WrinkleField`].
 //!
-//! A field has one orientation over its surface and phases that differ along edges by its one-form;
-//! live waves have a sign each and agree only more or less. [`to_field`] turns signs alike,
-//! outwards from the strongest wrinkle, and rounds each edge's whole waves to what the waves at its
-//! ends say. A face where signs or whole waves do not close (a bifurcation) becomes wrinkle-free.
+//! A field has one orientation over its surface, and its phases differ along edges by its one-form.
+//! Live waves have a sign each and agree only roughly. [`to_field`] makes signs consistent,
+//! outwards from the strongest wrinkle, and rounds each edge's number of whole waves to that of the
+//! waves at its ends. A face where signs or whole waves do not close (a bifurcation) becomes
+//! wrinkle-free.
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -13,11 +14,12 @@ use plisse::mesh::Topology;
 use plisse::{At, Result};
 
 use crate::Vec3;
-use crate::crush::Crushed;
-use crate::skin::Skinned;
-use crate::unify::Unified;
+use crate::crush::PlaneWaves;
+use crate::relax::PhaseCoupling;
+use crate::skin::PosedVertices;
+use crate::weld::WeldedMesh;
 
-/// Plane waves per vertex, as Render takes them.
+/// The plane wave of each vertex with its phase, as Render reads them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Waves {
     /// `[U]` amplitude (m).
@@ -28,27 +30,21 @@ pub struct Waves {
     pub phase: Vec<f32>,
 }
 
-/// The connectivity of the unified mesh as the library has it.
+/// The connectivity of the welded mesh as the library has it.
 ///
 /// # Errors
 /// [`plisse::Error::Mesh`] at `place`, as [`Topology::new`]: live meshes may have slivers, isolated
 /// vertices and edges on three faces, fields may not.
-pub fn topology(place: &str, unified: &Unified) -> Result<Topology> {
-    let faces = unified.faces.iter().map(|f| f.map(|v| v as usize)).collect();
-    Topology::new(unified.count(), faces).at(place)
+pub fn topology(place: &str, welded: &WeldedMesh) -> Result<Topology> {
+    let faces = welded.faces.iter().map(|f| f.map(|v| v as usize)).collect();
+    Topology::new(welded.count(), faces).at(place)
 }
 
-/// The field of the waves in `crushed` with `phase` (`[U]`, rad) over the posed `positions` (`[U]`,
-/// m).
-pub fn to_field(
-    topology: &Topology,
-    unified: &Unified,
-    positions: &[Vec3],
-    crushed: &Crushed,
-    phase: &[f32],
-) -> WrinkleField {
-    let sign = orient(unified, crushed);
-    let wave = |v: usize| crushed.wave[v] * sign[v];
+/// The field of the waves of `coupling` with `phase` (`[U]`, rad).
+pub fn to_field(topology: &Topology, coupling: &PhaseCoupling<'_>, phase: &[f32]) -> WrinkleField {
+    let PhaseCoupling { mesh, positions, waves } = *coupling;
+    let sign = orient(mesh, waves);
+    let wave = |v: usize| waves.wave[v] * sign[v];
     let phase = |v: usize| f64::from(phase[v] * sign[v]);
     let mut agree = Vec::with_capacity(topology.edge_count());
     let mut omega = Vec::with_capacity(topology.edge_count());
@@ -59,7 +55,7 @@ pub fn to_field(
         agree.push(wave(i).dot(&wave(j)) >= 0.0);
     }
     let mut field = WrinkleField {
-        amplitude_m: crushed.amplitude_m.iter().map(|&a| f64::from(a)).collect(),
+        amplitude_m: waves.amplitude_m.iter().map(|&a| f64::from(a)).collect(),
         omega: vec![0.0; topology.edge_count()],
         phase: vec![[0.0; 3]; topology.face_count()],
         wrinkle_free: vec![true; topology.face_count()],
@@ -67,7 +63,7 @@ pub fn to_field(
     for (f, face) in topology.faces.iter().enumerate() {
         let edges = topology.face_edges[f];
         let along = [0, 1, 2].map(|k| topology.side_sign(f, k) * omega[edges[k]]);
-        let wrinkled = face.iter().any(|&v| crushed.amplitude_m[v] > 0.0);
+        let wrinkled = face.iter().any(|&v| waves.amplitude_m[v] > 0.0);
         if wrinkled
             && edges.iter().all(|&e| agree[e])
             && along.iter().sum::<f64>().abs() < 0.5 * TAU
@@ -83,7 +79,7 @@ pub fn to_field(
 
 /// The waves that show `field` over the surface `posed`: k′ from dφ, averaged over the faces around
 /// each vertex by area.
-pub fn from_field(topology: &Topology, posed: &Skinned, field: &WrinkleField) -> Waves {
+pub fn from_field(topology: &Topology, posed: &PosedVertices, field: &WrinkleField) -> Waves {
     let count = topology.vertex_count;
     let mut sum = vec![Vec3::zeros(); count];
     let mut areas = vec![0f32; count];
@@ -112,13 +108,12 @@ pub fn from_field(topology: &Topology, posed: &Skinned, field: &WrinkleField) ->
     waves
 }
 
-/// `[U]` sign that turns each wave like its predecessor's, walking from the strongest vertex of
-/// each piece over wrinkled ones first.
-fn orient(unified: &Unified, crushed: &Crushed) -> Vec<f32> {
-    let mut by_strength: Vec<usize> = (0..unified.count()).collect();
-    by_strength
-        .sort_by(|&a, &b| crushed.strength[b].total_cmp(&crushed.strength[a]).then(a.cmp(&b)));
-    let mut sign = vec![0f32; unified.count()];
+/// `[U]` sign that turns each wave like its predecessor's. The walk goes from the strongest vertex
+/// of each piece over wrinkled ones first.
+fn orient(welded: &WeldedMesh, waves: &PlaneWaves) -> Vec<f32> {
+    let mut by_strength: Vec<usize> = (0..welded.count()).collect();
+    by_strength.sort_by(|&a, &b| waves.strength[b].total_cmp(&waves.strength[a]).then(a.cmp(&b)));
+    let mut sign = vec![0f32; welded.count()];
     for seed in by_strength {
         if sign[seed] != 0.0 {
             continue;
@@ -126,14 +121,11 @@ fn orient(unified: &Unified, crushed: &Crushed) -> Vec<f32> {
         sign[seed] = 1.0;
         let mut queue = VecDeque::from([seed]);
         while let Some(v) = queue.pop_front() {
-            for n in unified.around(v).iter().map(|&n| n as usize) {
-                // Waves that nobody sees lead nowhere, but are led.
-                if sign[n] == 0.0 && (crushed.strength[v] > 0.0 || crushed.strength[n] == 0.0) {
-                    sign[n] = if crushed.wave[n].dot(&crushed.wave[v]) < 0.0 {
-                        -sign[v]
-                    } else {
-                        sign[v]
-                    };
+            for n in welded.around(v).iter().map(|&n| n as usize) {
+                // Invisible waves take a sign, but hand none on.
+                if sign[n] == 0.0 && (waves.strength[v] > 0.0 || waves.strength[n] == 0.0) {
+                    sign[n] =
+                        if waves.wave[n].dot(&waves.wave[v]) < 0.0 { -sign[v] } else { sign[v] };
                     queue.push_back(n);
                 }
             }

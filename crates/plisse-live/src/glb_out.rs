@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use serde_json::{Value, json};
 
 use crate::Vec3;
-use crate::export::Fine;
+use crate::fine_mesh::FineMesh;
 
 // Numbers of the glTF 2.0 specification.
 const ARRAY_BUFFER: u32 = 34962;
@@ -13,7 +13,7 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// What makes a file up, list by list. Every list is padded to 4 bytes.
+/// A file in the making, list by list. Every list is padded to 4 bytes.
 #[derive(Default)]
 pub(crate) struct Glb {
     bytes: Vec<u8>,
@@ -22,13 +22,38 @@ pub(crate) struct Glb {
     images: Vec<Value>,
 }
 
-/// An error about what was to be written.
+/// The JSON around the lists.
+#[derive(Default)]
+pub(crate) struct Document {
+    /// The one primitive.
+    pub(crate) primitive: Value,
+    /// Its material.
+    pub(crate) material: Value,
+    /// More fields of the mesh, or null.
+    pub(crate) mesh: Value,
+    /// More fields of the document, or null.
+    pub(crate) document: Value,
+}
+
+/// Numbers of one accessor: the layout of its elements and its use.
+struct Layout {
+    /// Kind of an element as glTF names it.
+    kind: &'static str,
+    /// Numbers of an element.
+    width: usize,
+    /// True if the accessor gives its least and largest values.
+    bounds: bool,
+    /// Use of the buffer view, for vertex data.
+    target: Option<u32>,
+}
+
+/// An error about data that cannot be written.
 pub(crate) fn invalid(message: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, message)
 }
 
 /// Adds the lists of `fine`; the primitive without material and targets.
-pub(crate) fn mesh_attributes(glb: &mut Glb, fine: &Fine) -> io::Result<Value> {
+pub(crate) fn mesh_attributes(glb: &mut Glb, fine: &FineMesh) -> io::Result<Value> {
     let count = fine.positions.len();
     if fine.faces.is_empty() || fine.normals.len() != count || fine.uvs.len() != count {
         return Err(invalid(
@@ -42,16 +67,24 @@ pub(crate) fn mesh_attributes(glb: &mut Glb, fine: &Fine) -> io::Result<Value> {
     let position = glb.vectors(&fine.positions, true, "a position")?;
     let normal = glb.vectors(&fine.normals, false, "a normal")?;
     let uvs: Vec<f32> = fine.uvs.iter().flat_map(|uv| [uv.x, uv.y]).collect();
-    let uv = glb.floats(&uvs, "VEC2", 2, false, Some(ARRAY_BUFFER), "a texture coordinate")?;
+    let layout = Layout { kind: "VEC2", width: 2, bounds: false, target: Some(ARRAY_BUFFER) };
+    let uv = glb.floats(&uvs, layout, "a texture coordinate")?;
     let view = glb.view(
         fine.faces.iter().flatten().flat_map(|v| v.to_le_bytes()).collect(),
         Some(ELEMENT_ARRAY_BUFFER),
     );
-    glb.accessors.push(json!({"bufferView": view, "componentType": UNSIGNED_INT, "count": 3 * fine.faces.len(), "type": "SCALAR"}));
+    glb.accessors.push(json!({
+        "bufferView": view,
+        "componentType": UNSIGNED_INT,
+        "count": 3 * fine.faces.len(),
+        "type": "SCALAR",
+    }));
     let indices = glb.accessors.len() - 1;
-    Ok(
-        json!({"attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv}, "indices": indices, "material": 0}),
-    )
+    Ok(json!({
+        "attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv},
+        "indices": indices,
+        "material": 0,
+    }))
 }
 
 impl Glb {
@@ -63,28 +96,28 @@ impl Glb {
         what: &str,
     ) -> io::Result<usize> {
         let numbers: Vec<f32> = list.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
-        self.floats(&numbers, "VEC3", 3, positions, Some(ARRAY_BUFFER), what)
+        let layout =
+            Layout { kind: "VEC3", width: 3, bounds: positions, target: Some(ARRAY_BUFFER) };
+        self.floats(&numbers, layout, what)
     }
 
     /// Adds a list of numbers of an animation; its accessor.
     pub(crate) fn numbers(&mut self, list: &[f32], bounds: bool) -> io::Result<usize> {
-        self.floats(list, "SCALAR", 1, bounds, None, "a key")
+        self.floats(list, Layout { kind: "SCALAR", width: 1, bounds, target: None }, "a key")
     }
 
-    fn floats(
-        &mut self,
-        list: &[f32],
-        kind: &str,
-        width: usize,
-        bounds: bool,
-        target: Option<u32>,
-        what: &str,
-    ) -> io::Result<usize> {
+    fn floats(&mut self, list: &[f32], layout: Layout, what: &str) -> io::Result<usize> {
+        let Layout { kind, width, bounds, target } = layout;
         if let Some(i) = list.iter().position(|x| !x.is_finite()) {
             return Err(invalid(format!("{what} ({}) is not finite", i / width)));
         }
         let view = self.view(list.iter().flat_map(|x| x.to_le_bytes()).collect(), target);
-        let mut accessor = json!({"bufferView": view, "componentType": FLOAT, "count": list.len() / width, "type": kind});
+        let mut accessor = json!({
+            "bufferView": view,
+            "componentType": FLOAT,
+            "count": list.len() / width,
+            "type": kind,
+        });
         if bounds {
             let of = |pick: fn(f32, f32) -> f32| -> Vec<f32> {
                 (0..width)
@@ -128,14 +161,11 @@ impl Glb {
         json!({"doubleSided": true, "pbrMetallicRoughness": surface})
     }
 
-    /// Writes the file: `primitive` with `material`, more fields of the mesh and of the document.
+    /// Writes the file.
     pub(crate) fn write<W: Write + ?Sized>(
         self,
         out: &mut W,
-        primitive: Value,
-        material: Value,
-        mesh: Value,
-        document: Value,
+        Document { primitive, material, mesh, document }: Document,
     ) -> io::Result<()> {
         let mut whole = json!({
             "asset": {"version": "2.0", "generator": concat!("Plissé ", env!("CARGO_PKG_VERSION"))},

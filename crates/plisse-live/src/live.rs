@@ -1,31 +1,39 @@
-//! The stages in a row, frame by frame: what changes, apart from the model that does not.
+//! The stages Skin, Crush and Relax in a row, frame by frame: the state that changes, apart from
+//! the model, which does not.
 
 use crate::Vec3;
-use crate::crush::{CrushInput, Crushed, crush};
-use crate::relax::{VISIBLE, random_phases, relax_rounds, spread};
-use crate::skin::{Pose, Skinned, skin};
-use crate::unify::Unified;
+use crate::crush::{CrushInput, PlaneWaves, crush};
+use crate::relax::{
+    PhaseCoupling, VISIBLE, propagate_phases, random_phases, relax_rounds, visible,
+};
+use crate::skin::{Pose, PosedVertices, skin};
+use crate::stage::Stage;
+use crate::weld::WeldedMesh;
 
-/// How wrinkles are made.
+/// Step of each round of relaxation before the first frame. Nothing is seen to jump there, so it is
+/// the largest that converges.
+const FIRST_RATE: f32 = 0.5;
+
+/// Settings of the wrinkles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveOptions {
     /// One wavelength for all vertices, or `[U]` of them (m, rest).
     pub wavelength_m: Vec<f32>,
     /// `[U]` painted bias, or empty; see [`CrushInput::bias`].
     pub bias: Vec<Vec3>,
-    /// Rounds of relaxation a frame.
+    /// Rounds of relaxation in each frame.
     pub rounds: usize,
     /// Step of each round, see [`crate::relax::relax`]; `rate` × `rounds` ≤ ¼ never jumps more than
     /// π/4 a frame.
     pub rate: f32,
     /// Rounds before the first frame.
     pub first_rounds: usize,
-    /// Crush and Relax run every n-th frame only.
+    /// Crush and Relax run in every n-th frame only.
     pub every: usize,
-    /// Whether wrinkles that nobody saw in the last frame take their phases by [`spread`] instead
-    /// of by Relax alone. It walks the mesh in one thread, which is what takes the time on large
-    /// meshes; without, new wrinkles stay in more bifurcations.
-    pub spread_new: bool,
+    /// True if wrinkles that were invisible in the last frame take their phases by
+    /// [`propagate_phases`] instead of by Relax alone. It walks the mesh in one thread, which is
+    /// most of the time on large meshes; without it, new wrinkles stay in more bifurcations.
+    pub propagate_new: bool,
     /// Seed of the phases that the first frame starts from.
     pub seed: u64,
 }
@@ -40,7 +48,7 @@ impl LiveOptions {
             rate: 0.25,
             first_rounds: 100,
             every: 1,
-            spread_new: true,
+            propagate_new: true,
             seed: 1,
         }
     }
@@ -49,56 +57,96 @@ impl LiveOptions {
 /// The changing state of one model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LiveState {
-    /// Frames done.
+    /// Number of frames done.
     pub frame: usize,
-    /// The unified vertices in this frame's pose.
-    pub posed: Skinned,
-    /// The waves. Up to `every` − 1 frames old.
-    pub crushed: Crushed,
+    /// The welded vertices in this frame's pose.
+    pub posed: PosedVertices,
+    /// The plane waves, up to `every` − 1 frames old.
+    pub waves: PlaneWaves,
     /// `[U]` phases φ (rad), in [−π, π).
     pub phase: Vec<f32>,
 }
 
+/// One frame of a model, ready to be drawn, baked or exported.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// The waves and the welded vertices.
+    pub state: &'a LiveState,
+    /// `[V]` the draw vertices in the same pose.
+    pub drawn: &'a PosedVertices,
+}
+
 impl LiveState {
     /// Advances to the next frame, which stands in `pose`.
-    pub fn step(&mut self, unified: &Unified, pose: &Pose, options: &LiveOptions) {
-        self.step_watched(unified, pose, options, |_| {});
+    pub fn step(&mut self, welded: &WeldedMesh, pose: &Pose, options: &LiveOptions) {
+        self.step_watched(welded, pose, options, |_| {});
     }
 
-    /// As [`LiveState::step`]; calls `done` with the name of each stage after it.
+    /// As [`LiveState::step`]; calls `done` after each stage that ran.
     pub fn step_watched(
         &mut self,
-        unified: &Unified,
+        welded: &WeldedMesh,
         pose: &Pose,
         options: &LiveOptions,
-        mut done: impl FnMut(&'static str),
+        mut done: impl FnMut(Stage),
     ) {
-        self.posed = skin(&unified.vertices, pose);
-        done("skin");
+        self.posed = skin(&welded.vertices, pose);
+        done(Stage::Skin);
         if self.frame.is_multiple_of(options.every.max(1)) {
-            let last_direction = std::mem::take(&mut self.crushed.direction);
+            let last_direction = std::mem::take(&mut self.waves.direction);
             let input = CrushInput {
                 wavelength_m: &options.wavelength_m,
                 bias: &options.bias,
                 last_direction: &last_direction,
             };
-            let seen: Vec<bool> = self.crushed.strength.iter().map(|&s| s >= VISIBLE).collect();
-            self.crushed = crush(unified, &self.posed, &input);
-            done("crush");
-            let positions = &self.posed.positions;
-            let (mut rate, mut rounds) = (options.rate, options.rounds);
-            if self.frame == 0 {
-                self.phase = random_phases(unified.count(), options.seed);
-                if options.spread_new {
-                    self.phase = spread(unified, positions, &self.crushed, &self.phase, &[]);
-                }
-                (rate, rounds) = (0.5, options.first_rounds);
-            } else if options.spread_new {
-                self.phase = spread(unified, positions, &self.crushed, &self.phase, &seen);
-            }
-            relax_rounds(unified, positions, &self.crushed, rate, rounds, &mut self.phase);
-            done("relax");
+            let visible = visible(&self.waves);
+            self.waves = crush(welded, &self.posed, &input);
+            done(Stage::Crush);
+            self.relax(welded, options, &visible);
+            done(Stage::Relax);
         }
         self.frame += 1;
+    }
+
+    /// Gives phases to new wrinkles and relaxes all; `visible` (`[U]`) are the old ones.
+    fn relax(&mut self, welded: &WeldedMesh, options: &LiveOptions, visible: &[bool]) {
+        let is_first = self.frame == 0;
+        if is_first {
+            self.phase = random_phases(welded.count(), options.seed);
+        }
+        let mut phase = std::mem::take(&mut self.phase);
+        let coupling = self.coupling(welded);
+        if options.propagate_new {
+            let fixed = if is_first { &[] } else { visible };
+            phase = propagate_phases(&coupling, &phase, fixed);
+        }
+        let (rate, rounds) = if is_first {
+            (FIRST_RATE, options.first_rounds)
+        } else {
+            (options.rate, options.rounds)
+        };
+        relax_rounds(&coupling, rate, rounds, &mut phase);
+        self.phase = phase;
+    }
+
+    /// The coupling of the phases on `mesh`, the model's welded mesh.
+    pub fn coupling<'a>(&'a self, mesh: &'a WeldedMesh) -> PhaseCoupling<'a> {
+        PhaseCoupling { mesh, positions: &self.posed.positions, waves: &self.waves }
+    }
+
+    /// Mean phase error (waves, 0 to ½) over the visible edges; see
+    /// [`crate::relax::mean_phase_error`].
+    pub fn mean_phase_error(&self, mesh: &WeldedMesh) -> f32 {
+        crate::relax::mean_phase_error(&self.coupling(mesh), &self.phase)
+    }
+
+    /// Share of the visible vertices whose phase moved by more than π/4 since the frame `last`; see
+    /// [`crate::crush::phase_jump_share`].
+    pub fn phase_jump_share(&self, last: &Self) -> f32 {
+        crate::crush::phase_jump_share(
+            [&last.waves.strength, &self.waves.strength],
+            [&last.phase, &self.phase],
+            VISIBLE,
+        )
     }
 }

@@ -5,11 +5,11 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use crate::{Mat4, Vec2, Vec3};
 
-/// Most joints that move one vertex.
+/// Largest number of joints that move one vertex.
 pub const INFLUENCES: usize = 8;
 
-/// Vertices of one set, in structure-of-arrays form: the draw vertices of a model, or its unified
-/// ones.
+/// Vertices of one set, in structure-of-arrays form: the draw vertices of a model, or its welded
+/// vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Vertices {
     /// `[V]` positions in the rest pose (m).
@@ -57,7 +57,7 @@ impl Default for Node {
     }
 }
 
-/// How values between two keys are found.
+/// Rule for values between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// The value of the last key.
@@ -68,7 +68,7 @@ pub enum Interpolation {
     Cubic,
 }
 
-/// What a channel moves.
+/// The quantity that a channel moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A node's translation, 3 numbers a key.
@@ -84,9 +84,9 @@ pub enum Target {
 /// One animated quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What moves.
+    /// The quantity that moves.
     pub target: Target,
-    /// How it moves between keys.
+    /// Rule for values between keys.
     pub interpolation: Interpolation,
     /// `[keys]` times (s), ascending.
     pub times: Vec<f32>,
@@ -100,7 +100,7 @@ pub struct Channel {
 pub struct Clip {
     /// The name the file gives it.
     pub name: String,
-    /// What it moves.
+    /// The quantities it moves.
     pub channels: Vec<Channel>,
 }
 
@@ -109,12 +109,17 @@ impl Clip {
     pub fn duration_s(&self) -> f32 {
         self.channels.iter().filter_map(|c| c.times.last()).fold(0.0, |a, &b| a.max(b))
     }
+
+    /// `count` times (s), evenly spaced from the clip's beginning to its end.
+    pub fn times(&self, count: u32) -> Vec<f32> {
+        (0..count).map(|k| self.duration_s() * k as f32 / (count - 1).max(1) as f32).collect()
+    }
 }
 
 /// A model as it is drawn and animated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
-    /// Where it comes from, for messages.
+    /// Name of its source, for messages.
     pub name: String,
     /// Draw vertices: split where texture or normals have seams.
     pub draw: Vertices,
@@ -167,6 +172,12 @@ impl Model {
         };
         model.draw.normals = vec![Vec3::zeros(); count];
         model
+    }
+
+    /// True if the model has texture coordinates; those of models from files without any are all
+    /// the same.
+    pub fn has_uvs(&self) -> bool {
+        self.uvs.iter().any(|uv| *uv != self.uvs[0])
     }
 
     /// The clip called `name`, or the first one for `None`.

@@ -1,13 +1,13 @@
-//! A clip played up to a time: waves depend on the frames before, so they are run through.
+//! A clip played up to a time. Waves depend on the frames before, so those are run through.
 
 use plisse::{Error, Result};
 
 use crate::live::{LiveOptions, LiveState};
 use crate::model::{Clip, Model};
-use crate::skin::{Skinned, pose, skin};
-use crate::unify::Unified;
+use crate::skin::{PosedVertices, pose, skin};
+use crate::weld::WeldedMesh;
 
-/// Frames a second at which clips are run through.
+/// Number of frames a second at which clips are run through.
 pub const RATE: f32 = 60.0;
 
 /// The clip of `model` called `name`, or its first one without a name; `None` for a model that has
@@ -36,7 +36,7 @@ pub fn clip<'a>(model: &'a Model, name: Option<&str>) -> Result<Option<&'a Clip>
 #[derive(Clone, Debug)]
 pub struct Player<'a> {
     model: &'a Model,
-    unified: &'a Unified,
+    welded: &'a WeldedMesh,
     options: &'a LiveOptions,
     clip: Option<&'a Clip>,
     time_s: f32,
@@ -45,18 +45,18 @@ pub struct Player<'a> {
 }
 
 impl<'a> Player<'a> {
-    /// Before the first frame of the clip that [`clip`] finds.
+    /// A player before the first frame of the clip that [`clip`] finds.
     ///
     /// # Errors
     /// As [`clip`].
     pub fn new(
         model: &'a Model,
-        unified: &'a Unified,
+        welded: &'a WeldedMesh,
         options: &'a LiveOptions,
         clip: Option<&str>,
     ) -> Result<Self> {
         let found = self::clip(model, clip)?;
-        Ok(Self { model, unified, options, clip: found, time_s: 0.0, state: LiveState::default() })
+        Ok(Self { model, welded, options, clip: found, time_s: 0.0, state: LiveState::default() })
     }
 
     /// The clip that is played.
@@ -64,17 +64,17 @@ impl<'a> Player<'a> {
         self.clip
     }
 
-    /// Plays on to `time_s` (s, not before the last one), in steps of at most 1/60 s; posed draw
-    /// vertices.
-    pub fn play_to(&mut self, time_s: f32) -> Skinned {
+    /// Plays on to `time_s` (s, not before the last one) in steps of at most 1/60 s; the draw
+    /// vertices, posed.
+    pub fn play_to(&mut self, time_s: f32) -> PosedVertices {
         if self.state.frame == 0 {
-            self.state.step(self.unified, &pose(self.model, self.clip, 0.0), self.options);
+            self.state.step(self.welded, &pose(self.model, self.clip, 0.0), self.options);
         }
         let (from, whole) = (self.time_s, (time_s - self.time_s).max(0.0));
         let steps = (whole * RATE - 1e-3).ceil().max(0.0) as usize;
         for step in 1..=steps {
             let at = from + whole * step as f32 / steps as f32;
-            self.state.step(self.unified, &pose(self.model, self.clip, at), self.options);
+            self.state.step(self.welded, &pose(self.model, self.clip, at), self.options);
         }
         self.time_s = from + whole;
         skin(&self.model.draw, &pose(self.model, self.clip, self.time_s))

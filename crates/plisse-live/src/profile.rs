@@ -1,12 +1,12 @@
-//! Profiles of wrinkles (6.3): even, 2π-periodic functions, stored as the GPU has them, 32 values
-//! that wrap and are joined linearly.
+//! Profiles of wrinkles (6.3): even, 2π-periodic functions. They are stored as on the GPU: 32
+//! values with linear interpolation, the last one next to the first.
 
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use plisse::{Error, Result};
 
-/// Entries of the table.
+/// Number of entries of the table.
 pub const ENTRIES: usize = 32;
 
 /// f and f′ over one period.
@@ -45,8 +45,8 @@ impl Profile {
         Self::new(|x| 2.0 * (0.5 * x).cos() - 1.0)
     }
 
-    /// Heights from crest (phase 0) to trough (phase π), evenly spaced, joined linearly. At least
-    /// two; they should lie in [−1, 1].
+    /// Heights from crest (phase 0) to trough (phase π), evenly spaced, with linear interpolation.
+    /// At least two; they should lie in [−1, 1].
     ///
     /// # Errors
     /// [`Error::Value`] for fewer than two heights or one that is no number.
@@ -109,8 +109,8 @@ impl Profile {
         })
     }
 
-    /// What a user asked for: the name of a profile, heights, or else the path of a file with
-    /// either.
+    /// The profile that a user asks for: by its name, by heights, or else by the path of a file
+    /// with either.
     ///
     /// # Errors
     /// As [`Profile::read`] and [`Profile::from_list`].

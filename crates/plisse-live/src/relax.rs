@@ -1,10 +1,11 @@
 //! Stage "Relax" (5.2): aligns the phases of neighbouring plane waves.
 //!
-//! [`relax`] is the paper's gradient descent (eq. 6), one round from one buffer to another. Its only departures: weights use the
-//! amplitude's share of W/4, and a vertex whose wrinkles nobody sees follows its neighbours at
-//! once, so that wrinkles that appear are already aligned. [`spread`] is ours: it gives phases to
-//! wrinkles that nobody has seen yet, by walking outwards from those there are, so that descent
-//! starts near the best answer instead of at random, where it gets caught in bifurcations.
+//! [`relax`] is the paper's gradient descent (eq. 6), one round from one buffer to another. It
+//! departs from the paper in two points: weights use the amplitude's share of W/4, and a vertex
+//! whose wrinkles are invisible follows its neighbours at once, so that wrinkles that appear are
+//! already aligned. [`propagate_phases`] is ours: it gives phases to wrinkles that have just
+//! appeared by walking outwards from the visible ones, so that descent starts near the best answer.
+//! From random phases it would end in bifurcations.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -12,12 +13,28 @@ use std::f32::consts::{PI, TAU};
 
 use rayon::prelude::*;
 
-use crate::crush::Crushed;
-use crate::unify::Unified;
+use crate::crush::PlaneWaves;
+use crate::weld::WeldedMesh;
 use crate::{CHUNK, Vec3, wrap};
 
-/// Share of the largest amplitude below which wrinkles are taken as invisible (flat to 0.1 %).
+/// Share of the largest amplitude below which wrinkles count as invisible (flat to 0.1 %).
 pub const VISIBLE: f32 = 0.05;
+
+/// True (`[U]`) for the vertices whose wrinkles are visible.
+pub fn visible(waves: &PlaneWaves) -> Vec<bool> {
+    waves.strength.iter().map(|&s| s >= VISIBLE).collect()
+}
+
+/// The data that couple the phases of neighbours. They stay fixed while phases relax.
+#[derive(Clone, Copy, Debug)]
+pub struct PhaseCoupling<'a> {
+    /// The mesh, for its neighbours.
+    pub mesh: &'a WeldedMesh,
+    /// `[U]` posed positions (m).
+    pub positions: &'a [Vec3],
+    /// The plane waves.
+    pub waves: &'a PlaneWaves,
+}
 
 /// Weight of a neighbour with this strength: clamp(4h − 0.2, 0, 1), h being the share of W/4
 /// (section 5.2).
@@ -25,43 +42,39 @@ pub fn weight(strength: f32) -> f32 {
     (4.0 * strength - 0.2).clamp(0.0, 1.0)
 }
 
-/// Phase error e in [−½, ½) waves at the middle of the edge from `v` to `n`, and the sign that
-/// aligns n's wave with v's.
-pub fn mismatch(crushed: &Crushed, positions: &[Vec3], phase: &[f32], v: usize, n: usize) -> f32 {
+/// Phase error e in [−½, ½) waves at the middle of the edge from `v` to `n`, for `phase` (`[U]`,
+/// rad). The wave of n is turned to the direction of v's.
+pub fn phase_error(coupling: &PhaseCoupling<'_>, phase: &[f32], v: usize, n: usize) -> f32 {
+    let (positions, waves) = (coupling.positions, coupling.waves);
     let half = 0.5 * (positions[n] - positions[v]);
-    let sign = if crushed.wave[n].dot(&crushed.wave[v]) < 0.0 { -1.0 } else { 1.0 };
-    let own = crushed.wave[v].dot(&half) + phase[v];
-    let other = sign * (phase[n] - crushed.wave[n].dot(&half));
-    let waves = (other - own) / TAU;
-    waves - (waves + 0.5).floor()
+    let sign = if waves.wave[n].dot(&waves.wave[v]) < 0.0 { -1.0 } else { 1.0 };
+    let own = waves.wave[v].dot(&half) + phase[v];
+    let other = sign * (phase[n] - waves.wave[n].dot(&half));
+    let cycles = (other - own) / TAU;
+    cycles - (cycles + 0.5).floor()
 }
 
-/// One round of eq. 6: reads `phase` (`[U]`, rad) and writes `next`. `rate` is ε/(2π²): with 1, a
-/// vertex goes all the way to the mean that its neighbours ask for (the paper's ε is 2π²·rate). At
-/// most ½: beyond, rounds oscillate. A visible vertex moves by no more than π·rate a round, so ¼
-/// and one round a frame never jump more than π/4.
-pub fn relax(
-    unified: &Unified,
-    positions: &[Vec3],
-    crushed: &Crushed,
-    rate: f32,
-    phase: &[f32],
-    next: &mut [f32],
-) {
+/// One round of eq. 6: reads `phase` (`[U]`, rad) and writes `next`.
+///
+/// `rate` is ε/(2π²): with 1, a vertex goes all the way to the mean that its neighbours ask for
+/// (the paper's ε is 2π²·rate). It is at most ½, beyond which rounds oscillate. A visible vertex
+/// moves by no more than π·rate a round, so ¼ and one round a frame never jump more than π/4.
+pub fn relax(coupling: &PhaseCoupling<'_>, rate: f32, phase: &[f32], next: &mut [f32]) {
+    let (mesh, waves) = (coupling.mesh, coupling.waves);
     next.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, next)| {
-        let around = unified.around(v);
+        let around = mesh.around(v);
         let (mut pull, mut weights) = (0.0, 0.0);
         for &n in around {
             let n = n as usize;
-            let w = weight(crushed.strength[n]);
+            let w = weight(waves.strength[n]);
             if w > 0.0 {
-                pull += w * mismatch(crushed, positions, phase, v, n);
+                pull += w * phase_error(coupling, phase, v, n);
                 weights += w;
             }
         }
         let step = if weights == 0.0 {
             0.0
-        } else if crushed.strength[v] < VISIBLE {
+        } else if waves.strength[v] < VISIBLE {
             TAU * pull / weights
         } else {
             rate * TAU * pull / around.len() as f32
@@ -71,41 +84,29 @@ pub fn relax(
 }
 
 /// `rounds` of [`relax`] in place, with two buffers.
-pub fn relax_rounds(
-    unified: &Unified,
-    positions: &[Vec3],
-    crushed: &Crushed,
-    rate: f32,
-    rounds: usize,
-    phase: &mut Vec<f32>,
-) {
+pub fn relax_rounds(coupling: &PhaseCoupling<'_>, rate: f32, rounds: usize, phase: &mut Vec<f32>) {
     let mut next = vec![0.0; phase.len()];
     for _ in 0..rounds {
-        relax(unified, positions, crushed, rate, phase, &mut next);
+        relax(coupling, rate, phase, &mut next);
         std::mem::swap(phase, &mut next);
     }
 }
 
 /// Mean of |e| (waves, 0 to ½) over all edges whose ends are both visible; 0 without any. Random
 /// phases give about ¼.
-pub fn mean_phase_error(
-    unified: &Unified,
-    positions: &[Vec3],
-    crushed: &Crushed,
-    phase: &[f32],
-) -> f32 {
+pub fn mean_phase_error(coupling: &PhaseCoupling<'_>, phase: &[f32]) -> f32 {
+    let strength = &coupling.waves.strength;
     let (mut sum, mut count) = (0.0f64, 0usize);
     for v in 0..phase.len() {
-        for &n in unified.around(v).iter().filter(|&&n| n as usize > v) {
-            if crushed.strength[v] >= VISIBLE && crushed.strength[n as usize] >= VISIBLE {
-                sum += f64::from(mismatch(crushed, positions, phase, v, n as usize).abs());
+        for &n in coupling.mesh.around(v).iter().filter(|&&n| n as usize > v) {
+            if strength[v] >= VISIBLE && strength[n as usize] >= VISIBLE {
+                sum += f64::from(phase_error(coupling, phase, v, n as usize).abs());
                 count += 1;
             }
         }
     }
     (sum / count.max(1) as f64) as f32
 }
-
 /// Uniform phases in [−π, π) (`[U]`, rad) from `seed`, as the paper starts.
 pub fn random_phases(count: usize, seed: u64) -> Vec<f32> {
     (0..count as u64)
@@ -121,26 +122,25 @@ pub fn random_phases(count: usize, seed: u64) -> Vec<f32> {
         .collect()
 }
 
-/// An edge that waits to hand a phase from `from` to `to`; the one with the clearest wrinkles
-/// first.
-struct Step {
+/// An edge along which a phase may be handed on. The edge with the clearest wrinkles comes first.
+struct Handover {
     clarity: f32,
     from: u32,
     to: u32,
 }
 
-impl PartialEq for Step {
+impl PartialEq for Handover {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
-impl Eq for Step {}
-impl PartialOrd for Step {
+impl Eq for Handover {}
+impl PartialOrd for Handover {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
-impl Ord for Step {
+impl Ord for Handover {
     fn cmp(&self, other: &Self) -> Ordering {
         self.clarity
             .total_cmp(&other.clarity)
@@ -149,32 +149,29 @@ impl Ord for Step {
     }
 }
 
-/// Phases (`[U]`, rad) for vertices that have none yet: from those in `fixed` (`[U]`, or empty:
-/// none), and from the strongest vertex of each piece without any, outwards along the clearest
-/// edges. Each vertex takes the phase at which its wave meets its predecessor's in the middle of
-/// their edge. `start` (`[U]`) holds the fixed phases, and those with which pieces begin.
-pub fn spread(
-    unified: &Unified,
-    positions: &[Vec3],
-    crushed: &Crushed,
-    start: &[f32],
-    fixed: &[bool],
-) -> Vec<f32> {
-    let count = unified.count();
+/// Phases (`[U]`, rad) propagated over the mesh, to vertices that have none yet.
+///
+/// They come from the vertices in `fixed` (`[U]`, or empty: none); in a piece without any, from its
+/// strongest vertex. They go outwards along the clearest edges: each vertex takes the phase at
+/// which its wave meets its predecessor's in the middle of their edge. `start` (`[U]`) holds the
+/// fixed phases, and those with which pieces begin.
+pub fn propagate_phases(coupling: &PhaseCoupling<'_>, start: &[f32], fixed: &[bool]) -> Vec<f32> {
+    let PhaseCoupling { mesh, waves, .. } = *coupling;
+    let count = mesh.count();
     let is_fixed = |v: usize| fixed.get(v).copied().unwrap_or(false);
     let mut seeds: Vec<usize> = (0..count).collect();
     let by_strength =
-        |a: &usize, b: &usize| crushed.strength[*b].total_cmp(&crushed.strength[*a]).then(a.cmp(b));
+        |a: &usize, b: &usize| waves.strength[*b].total_cmp(&waves.strength[*a]).then(a.cmp(b));
     seeds.sort_by(|a, b| is_fixed(*b).cmp(&is_fixed(*a)).then(by_strength(a, b)));
     let mut phase = start.to_vec();
     let mut known: Vec<bool> = (0..count).map(is_fixed).collect();
     let mut queue = BinaryHeap::new();
-    let push_around = |v: usize, known: &[bool], queue: &mut BinaryHeap<Step>| {
-        for &n in unified.around(v).iter().filter(|&&n| !known[n as usize]) {
-            let (a, b) = (&crushed.wave[v], &crushed.wave[n as usize]);
+    let push_around = |v: usize, known: &[bool], queue: &mut BinaryHeap<Handover>| {
+        for &n in mesh.around(v).iter().filter(|&&n| !known[n as usize]) {
+            let (a, b) = (&waves.wave[v], &waves.wave[n as usize]);
             let parallel = a.dot(b).abs() / (a.norm() * b.norm()).max(1e-30);
-            let strength = crushed.strength[v].min(crushed.strength[n as usize]);
-            queue.push(Step { clarity: parallel * weight(strength), from: v as u32, to: n });
+            let strength = waves.strength[v].min(waves.strength[n as usize]);
+            queue.push(Handover { clarity: parallel * weight(strength), from: v as u32, to: n });
         }
     };
     // All fixed vertices begin together; then one seed for each piece that they do not reach.
@@ -185,10 +182,10 @@ pub fn spread(
             known[seed] = true;
             push_around(seed, &known, &mut queue);
         }
-        while let Some(Step { from, to, .. }) = queue.pop() {
+        while let Some(Handover { from, to, .. }) = queue.pop() {
             let (from, to) = (from as usize, to as usize);
             if !std::mem::replace(&mut known[to], true) {
-                phase[to] = wrap(phase[to] + TAU * mismatch(crushed, positions, &phase, to, from));
+                phase[to] = wrap(phase[to] + TAU * phase_error(coupling, &phase, to, from));
                 push_around(to, &known, &mut queue);
             }
         }

@@ -1,11 +1,11 @@
-// Stage "Relax" (5.2, eq. 6): one round of descent of the phases towards agreement with their
-// neighbours. Twin: relax.rs.
+// Stage "Relax" (5.2, eq. 6): one round of gradient descent on the phases towards agreement with
+// their neighbours. CPU reference: relax.rs.
 
 const TAU = 6.283185307;
 // As in relax.rs.
 const VISIBLE = 0.05;
 
-struct Placed {
+struct Vertex {
     position: vec4f,
     normal: vec4f,
 }
@@ -17,7 +17,7 @@ struct Round {
 }
 
 @group(0) @binding(0) var<uniform> round: Round;
-@group(0) @binding(1) var<storage, read> posed: array<Placed>;
+@group(0) @binding(1) var<storage, read> posed: array<Vertex>;
 @group(0) @binding(2) var<storage, read> wave: array<vec4f>;
 @group(0) @binding(3) var<storage, read> starts: array<u32>;
 @group(0) @binding(4) var<storage, read> neighbours: array<u32>;

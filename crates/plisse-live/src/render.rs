@@ -1,13 +1,13 @@
-//! Stage "Render" (5.1, 6): height, normal and texture shift at a point of a face, from what its
-//! corners carry.
+//! Stage "Render" (5.1, 6): height, normal and texture shift at a point of a face, from the data of
+//! its corners.
 //!
-//! Everything that is linear over the face is computed per corner ([`FaceWaves::new`], the vertex
-//! stage) and blended per point ([`FaceWaves::at`], the pixel stage).
+//! All that is linear over the face is computed at the corners ([`FaceWaves::new`], the vertex
+//! stage) and blended at the points ([`FaceWaves::at`], the pixel stage).
 
 use crate::profile::Profile;
 use crate::{Vec2, Vec3};
 
-/// What a face's corner carries, all of it posed.
+/// The data of a face's corner, all of it posed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
     /// Position x′ (m).
@@ -24,7 +24,7 @@ pub struct Corner {
     pub phase: f32,
 }
 
-/// A face ready to be drawn.
+/// A face with its waves, ready to be drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceWaves {
     /// The corners A, B, C.

@@ -1,5 +1,6 @@
-// Stage "Render" (5.1, 6): one instance a face, three vertices each; reads vertex attributes only,
-// so that it also runs where there are no storage buffers (WebGL 2). Twin: render.rs and shade.rs.
+// Stage "Render" (5.1, 6): one instance for each face, three vertices each. It reads vertex
+// attributes only, so that it also runs without storage buffers (WebGL 2).
+// CPU reference: render.rs and shade.rs.
 
 const TAU = 6.283185307;
 
@@ -21,7 +22,7 @@ struct Scene {
 @group(0) @binding(1) var base_colour: texture_2d<f32>;
 @group(0) @binding(2) var base_sampler: sampler;
 
-// As stage "Gather" leaves them.
+// The faces in the layout of gather.wgsl.
 struct Face {
     @location(0) position_a: vec4f,
     @location(1) position_b: vec4f,
@@ -56,8 +57,12 @@ struct Varying {
 fn render_vertex(@builtin(vertex_index) index: u32, face: Face) -> Varying {
     let corner = index % 3u;
     let weights = vec3f(f32(corner == 0u), f32(corner == 1u), f32(corner == 2u));
-    let position = face.position_a.xyz * weights.x + face.position_b.xyz * weights.y + face.position_c.xyz * weights.z;
-    let normal = face.normal_a.xyz * weights.x + face.normal_b.xyz * weights.y + face.normal_c.xyz * weights.z;
+    let position = face.position_a.xyz * weights.x
+        + face.position_b.xyz * weights.y
+        + face.position_c.xyz * weights.z;
+    let normal = face.normal_a.xyz * weights.x
+        + face.normal_b.xyz * weights.y
+        + face.normal_c.xyz * weights.z;
     let u = vec3f(face.wave_a.w, face.wave_b.w, face.wave_c.w);
     let side_b = face.position_b.xyz - face.position_a.xyz;
     let side_c = face.position_c.xyz - face.position_a.xyz;
@@ -113,14 +118,17 @@ fn render_pixel(in: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let c = profile_at(in.arguments.z);
     let scale = in.weights * in.amplitudes;
     let height_m = scale.x * a.x + scale.y * b.x + scale.z * c.x;
-    let gradient = in.wave_a * (scale.x * a.y) + in.wave_b * (scale.y * b.y) + in.wave_c * (scale.z * c.y);
+    let gradient = in.wave_a * (scale.x * a.y)
+        + in.wave_b * (scale.y * b.y)
+        + in.wave_c * (scale.z * c.y);
     let base_normal = unit_or(in.normal, vec3f(0.0, 0.0, 1.0));
     let outer = unit_or(base_normal - gradient, base_normal);
     let normal = select(-outer, outer, front);
     let to_viewer = scene.eye.xyz - in.position;
     // Eq. 10; on the back the height counts the other way, and so does the normal.
     let rise = dot(to_viewer, base_normal);
-    let shift = (to_viewer - base_normal * rise) * (rise / max(rise * rise + 0.1 * dot(to_viewer, to_viewer), 1e-30) * height_m);
+    let shift = (to_viewer - base_normal * rise)
+        * (rise / max(rise * rise + 0.1 * dot(to_viewer, to_viewer), 1e-30) * height_m);
     let uv = in.uv + scene.eye.w * vec2f(dot(in.u_gradient, shift), dot(in.v_gradient, shift));
     let albedo = textureSampleLevel(base_colour, base_sampler, uv, 0.0).rgb * scene.colour.rgb;
     return vec4f(shade(albedo, normal, normalize(to_viewer)), 1.0);

@@ -1,9 +1,9 @@
 //! The light of stage "Render": one lamp, sky and ground, and a faint sheen. Linear colours, 1
-//! being white. Twin of `shade` in render.wgsl.
+//! being white. CPU reference of `shade` in render.wgsl.
 
 use crate::Vec3;
 
-/// Where light comes from.
+/// The directions that light comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
     /// Unit vector towards the lamp.

@@ -1,14 +1,15 @@
 //! Stage "Skin" (4.1): nodes → palette → posed positions and normals.
 //!
-//! Departs from the paper in one point: normals are turned by the cofactors of the blended matrix,
-//! not by the matrix itself, so that they stay perpendicular where joints stretch or squeeze.
+//! It departs from the paper in one point: normals are turned by the cofactors of the blended
+//! matrix, not by the matrix itself, so that they stay perpendicular where joints stretch or
+//! squeeze.
 
 use rayon::prelude::*;
 
 use crate::model::{Clip, INFLUENCES, Model, Target, Vertices, quaternion, sample};
 use crate::{CHUNK, Mat4, Vec3};
 
-/// What moves a model in one frame.
+/// The motion of a model in one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     /// `[P]` map from rest space to posed space of each palette entry.
@@ -19,15 +20,15 @@ pub struct Pose {
 
 /// Vertices in posed space.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Skinned {
+pub struct PosedVertices {
     /// `[V]` positions (m).
     pub positions: Vec<Vec3>,
     /// `[V]` unit normals; zero where the rest pose has none.
     pub normals: Vec<Vec3>,
 }
 
-/// The pose of `model` at `time_s` of `clip` (held after its end); without a clip, the pose its
-/// nodes stand in.
+/// The pose of `model` at `time_s` of `clip` (held after its end); without a clip, the pose of its
+/// nodes.
 pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
     let mut nodes = model.nodes.clone();
     let mut morph_weights = model.morph_weights.clone();
@@ -60,7 +61,7 @@ pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
 }
 
 /// Moves `vertices` into `pose`.
-pub fn skin(vertices: &Vertices, pose: &Pose) -> Skinned {
+pub fn skin(vertices: &Vertices, pose: &Pose) -> PosedVertices {
     let place = |v: usize| {
         let (mut x, mut n) = (vertices.positions[v], vertices.normals[v]);
         for (morph, &weight) in vertices.morphs.iter().zip(&pose.morph_weights) {
@@ -85,5 +86,5 @@ pub fn skin(vertices: &Vertices, pose: &Pose) -> Skinned {
     };
     let (positions, normals) =
         (0..vertices.positions.len()).into_par_iter().with_min_len(CHUNK).map(place).unzip();
-    Skinned { positions, normals }
+    PosedVertices { positions, normals }
 }

@@ -1,6 +1,6 @@
-// Stage "Skin" (4.1): rest vertices, morphed and moved by their joints. Twin: skin.rs.
+// Stage "Skin" (4.1): rest vertices, morphed and moved by their joints. CPU reference: skin.rs.
 
-struct Placed {
+struct Vertex {
     // xyz: position (m). w, of rest vertices: wavelength (m).
     position: vec4f,
     // xyz: unit normal, or zero.
@@ -22,17 +22,17 @@ struct Counts {
 }
 
 @group(0) @binding(0) var<uniform> counts: Counts;
-@group(0) @binding(1) var<storage, read> rest: array<Placed>;
+@group(0) @binding(1) var<storage, read> rest: array<Vertex>;
 // Four palette entries of 16 bits each.
 @group(0) @binding(2) var<storage, read> joints: array<vec2u>;
 @group(0) @binding(3) var<storage, read> weights: array<vec4f>;
 // Rows of the affine maps from rest to posed space.
 @group(0) @binding(4) var<storage, read> palette: array<mat3x4f>;
-// Where each vertex's shifts begin.
+// First shift of each vertex.
 @group(0) @binding(5) var<storage, read> shift_starts: array<u32>;
 @group(0) @binding(6) var<storage, read> shifts: array<Shift>;
 @group(0) @binding(7) var<storage, read> morph_weights: array<f32>;
-@group(0) @binding(8) var<storage, read_write> posed: array<Placed>;
+@group(0) @binding(8) var<storage, read_write> posed: array<Vertex>;
 
 @compute @workgroup_size(64)
 fn skin(@builtin(global_invocation_id) id: vec3u) {
@@ -50,7 +50,8 @@ fn skin(@builtin(global_invocation_id) id: vec3u) {
     var m = mat3x4f();
     for (var g = 0u; g < counts.groups; g++) {
         let packed = joints[v * counts.groups + g];
-        let entries = vec4u(packed.x & 0xffffu, packed.x >> 16u, packed.y & 0xffffu, packed.y >> 16u);
+        let entries =
+            vec4u(packed.x & 0xffffu, packed.x >> 16u, packed.y & 0xffffu, packed.y >> 16u);
         let share = weights[v * counts.groups + g];
         for (var k = 0u; k < 4u; k++) {
             if share[k] > 0.0 {
@@ -70,5 +71,5 @@ fn skin(@builtin(global_invocation_id) id: vec3u) {
     }
     let size = length(turned);
     let unit = select(vec3f(), turned / max(size, 1e-30), size > 1e-30);
-    posed[v] = Placed(vec4f(vec4f(x, 1.0) * m, rest[v].position.w), vec4f(unit, 0.0));
+    posed[v] = Vertex(vec4f(vec4f(x, 1.0) * m, rest[v].position.w), vec4f(unit, 0.0));
 }

@@ -1,13 +1,17 @@
-//! Base colour images: decoded from files or woven here, sampled like the GPU does it without mip
-//! levels.
+//! Base colour images, decoded from files or made here. They are sampled as the GPU samples them
+//! without mip levels.
 
 use plisse::{Error, Result};
 
+use crate::model::Model;
 use crate::shade::from_srgb;
 use crate::{Vec2, Vec3};
 
 /// Largest side (pixels) that every GPU takes.
 const LARGEST: usize = 4096;
+
+/// Colour of models without image and texture coordinates (sRGB).
+const SKIN_SRGB: [u8; 3] = [214, 176, 158];
 
 /// An sRGB image, rows from the top; texture coordinates (0, 0) are its upper left corner, as in
 /// glTF. It repeats.
@@ -43,6 +47,17 @@ impl Texture {
             width: size,
             height: size,
             rgba: (0..size * size).map(|i| colour(i % size, i / size)).collect(),
+        }
+    }
+
+    /// The image that `model` is drawn with: its own, or else a checked cloth or one colour, as it
+    /// has texture coordinates or not. With the reason, if its own cannot be read.
+    pub fn of(model: &Model) -> (Self, Option<Error>) {
+        match model.base_colour.as_ref().map(|bytes| Self::decode(&model.name, bytes)) {
+            Some(Ok(texture)) => (texture, None),
+            Some(Err(error)) => (Self::checked(), Some(error)),
+            None if model.has_uvs() => (Self::checked(), None),
+            None => (Self::plain(SKIN_SRGB), None),
         }
     }
 

@@ -1,24 +1,24 @@
-//! Wavelength that differs over a model: as shares of one given wavelength, from vertex colours or
+//! Wavelengths that differ over a model: shares of one given wavelength, from vertex colours or
 //! from a map read through the texture coordinates.
 //!
-//! A share of 1 is the whole wavelength, 0.5 half of it. Shares below [`LEAST_SHARE`] count as
-//! that: waves shorter than any pixel help nobody.
+//! A share of 1 is the whole wavelength, 0.5 half of it. Shares below [`LEAST_SHARE`] count as this
+//! one, because waves shorter than any pixel are of no use.
 
 use plisse::{Error, Result};
 
 use crate::Vec2;
-use crate::unify::Unified;
+use crate::weld::WeldedMesh;
 
-/// The least share that is followed.
+/// Least share of the wavelength (no unit).
 pub const LEAST_SHARE: f32 = 0.05;
 
 /// Wavelengths as [`crate::live::LiveOptions`] takes them: one for all (m, rest) without `shares`
-/// (`[V]`, of draw vertices, 0..1), else `[U]` of them; a unified vertex takes the share of its
+/// (`[V]`, of draw vertices, 0..1), else `[U]` of them; a welded vertex takes the share of its
 /// first draw vertex.
-pub fn per_vertex(unified: &Unified, wavelength_m: f32, shares: Option<&[f32]>) -> Vec<f32> {
+pub fn per_vertex(welded: &WeldedMesh, wavelength_m: f32, shares: Option<&[f32]>) -> Vec<f32> {
     let Some(shares) = shares else { return vec![wavelength_m] };
-    let mut result = vec![f32::NAN; unified.count()];
-    for (&v, share) in unified.vertex_of_draw.iter().zip(shares) {
+    let mut result = vec![f32::NAN; welded.count()];
+    for (&v, share) in welded.vertex_of_draw.iter().zip(shares) {
         let wavelength = &mut result[v as usize];
         if wavelength.is_nan() {
             *wavelength =
@@ -32,7 +32,7 @@ pub fn per_vertex(unified: &Unified, wavelength_m: f32, shares: Option<&[f32]>) 
 
 /// Shares `[V]` (0..1) that the PNG file `bytes` has at `uvs` (`[V]`, glTF's: v down, from the
 /// upper left): its first channel as the numbers stand there (0..255 or 0..65535, no colour space),
-/// joined linearly between pixel centres, repeated outside [0, 1].
+/// interpolated linearly between pixel centres, repeated outside [0, 1].
 ///
 /// # Errors
 /// [`Error::Value`] for a file that is no PNG.
@@ -122,15 +122,15 @@ mod tests {
     #[test]
     fn the_first_draw_vertex_gives_the_wavelength() {
         let model = crate::models::sleeve();
-        let unified = Unified::new(&model, 1e-5);
+        let welded = WeldedMesh::new(&model, 1e-5);
         let mut shares = vec![0.5; model.draw.positions.len()];
         // The seam's second vertex (20) is the same place as its first (0).
         (shares[20], shares[1], shares[2]) = (0.9, 0.0, 7.0);
-        let list = per_vertex(&unified, 0.1, Some(&shares));
+        let list = per_vertex(&welded, 0.1, Some(&shares));
         assert_eq!(
             (list.len(), list[0], list[1], list[2]),
-            (unified.count(), 0.05, 0.1 * LEAST_SHARE, 0.1)
+            (welded.count(), 0.05, 0.1 * LEAST_SHARE, 0.1)
         );
-        assert_eq!(per_vertex(&unified, 0.1, None), [0.1]);
+        assert_eq!(per_vertex(&welded, 0.1, None), [0.1]);
     }
 }

@@ -1,4 +1,4 @@
-//! The stages' texts for the GPU, WGSL without extensions.
+//! The WGSL texts of the stages, without extensions.
 
 /// Stage "Skin": entry point `skin`.
 pub const SKIN: &str = include_str!("skin.wgsl");
@@ -44,7 +44,7 @@ mod tests {
     }
 
     #[test]
-    fn constants_are_those_of_the_twins() {
+    fn constants_are_those_of_the_cpu_references() {
         let value = |text: &str, name: &str| -> f32 {
             let line =
                 text.lines().find_map(|l| l.strip_prefix(&format!("const {name} = "))).unwrap();

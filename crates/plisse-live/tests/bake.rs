@@ -1,10 +1,10 @@
-//! Live waves baked into maps.
+//! Maps baked from live waves.
 
 use plisse::bake::{Coverage, Options};
-use plisse_live::live::LiveOptions;
+use plisse_live::live::{Frame, LiveOptions};
 use plisse_live::play::Player;
 use plisse_live::profile::Profile;
-use plisse_live::unify::{Unified, fill_normals};
+use plisse_live::weld::{WeldedMesh, fill_normals};
 use plisse_live::{Vec2, bake, models};
 
 const W: f32 = 0.08;
@@ -12,24 +12,19 @@ const W: f32 = 0.08;
 #[test]
 fn the_contracted_square_bakes_to_the_waves_it_draws() {
     let mut model = models::square().unwrap();
-    let unified = Unified::new(&model, 1e-5);
-    fill_normals(&mut model, &unified);
+    let welded = WeldedMesh::new(&model, 1e-5);
+    fill_normals(&mut model, &welded);
     let options = LiveOptions::new(W);
-    let mut player = Player::new(&model, &unified, &options, Some("contract")).unwrap();
-    let draw = player.play_to(2.0);
+    let mut player = Player::new(&model, &welded, &options, Some("contract")).unwrap();
+    let drawn = player.play_to(2.0);
+    let frame = Frame { state: &player.state, drawn: &drawn };
     let n = 256;
-    let baked = bake::bake(
-        &model,
-        &unified,
-        &draw,
-        &player.state,
-        &Profile::sine(),
-        &Options { size: n, padding: 4 },
-    )
-    .unwrap();
+    let baked =
+        bake::bake(&model, &welded, &frame, &Profile::sine(), &Options { size: n, padding: 4 })
+            .unwrap();
     assert_eq!((baked.overlapping, baked.missed_faces), (0, 0));
     // Every texel against the face that is drawn there.
-    let faces = bake::faces(&model, &unified, &draw, &player.state);
+    let faces = bake::faces(&model, &welded, &frame);
     let (mut met, mut slopes) = (0, 0.0f32);
     for face in &faces {
         for weights in [[0.4, 0.35, 0.25], [0.2, 0.2, 0.6]] {
@@ -55,28 +50,22 @@ fn the_contracted_square_bakes_to_the_waves_it_draws() {
 #[test]
 fn what_cannot_be_baked_is_told() {
     let mut model = models::sleeve();
-    let unified = Unified::new(&model, 1e-5);
+    let welded = WeldedMesh::new(&model, 1e-5);
     let options = LiveOptions::new(0.03);
     assert!(
-        Player::new(&model, &unified, &options, Some("jump"))
+        Player::new(&model, &welded, &options, Some("jump"))
             .unwrap_err()
             .to_string()
             .contains("give one of bend")
     );
-    let mut player = Player::new(&model, &unified, &options, None).unwrap();
+    let mut player = Player::new(&model, &welded, &options, None).unwrap();
     assert_eq!(player.clip().unwrap().name, "bend");
-    let draw = player.play_to(0.5);
+    let drawn = player.play_to(0.5);
     assert_eq!(player.state.frame, 31);
     let with = |uv: fn(Vec2) -> Vec2, model: &mut plisse_live::model::Model| {
         model.uvs.iter_mut().for_each(|x| *x = uv(*x));
-        bake::bake(
-            model,
-            &unified,
-            &draw,
-            &player.state,
-            &Profile::sine(),
-            &Options { size: 32, padding: 1 },
-        )
+        let frame = Frame { state: &player.state, drawn: &drawn };
+        bake::bake(model, &welded, &frame, &Profile::sine(), &Options { size: 32, padding: 1 })
     };
     assert!(with(|uv| uv, &mut model).is_ok());
     let message = with(|uv| uv * 2.0, &mut model).unwrap_err().to_string();

@@ -2,38 +2,38 @@
 
 use std::collections::HashMap;
 
-use plisse_live::export::{
-    Between, Fine, check_size, refine, suggest_parts, write_sequence, write_still,
-};
+use plisse_live::export::{FrameInterpolation, check_size, write_sequence, write_still};
+use plisse_live::fine_mesh::{FineMesh, refine, suggest_parts};
 use plisse_live::gltf_in::from_bytes;
-use plisse_live::live::LiveOptions;
+use plisse_live::live::{Frame, LiveOptions};
 use plisse_live::model::Model;
 use plisse_live::play::Player;
 use plisse_live::profile::Profile;
 use plisse_live::skin::{pose, skin};
-use plisse_live::unify::{Unified, fill_normals};
+use plisse_live::weld::{WeldedMesh, fill_normals};
 use plisse_live::{Vec3, models};
 
-fn made(mut model: Model) -> (Model, Unified) {
-    let unified = Unified::new(&model, 1e-5);
-    fill_normals(&mut model, &unified);
-    (model, unified)
+fn made(mut model: Model) -> (Model, WeldedMesh) {
+    let welded = WeldedMesh::new(&model, 1e-5);
+    fill_normals(&mut model, &welded);
+    (model, welded)
 }
 
 fn fine_at(
     model: &Model,
-    unified: &Unified,
+    welded: &WeldedMesh,
     wavelength_m: f32,
     times: &[f32],
     parts: usize,
-) -> Vec<Fine> {
+) -> Vec<FineMesh> {
     let options = LiveOptions::new(wavelength_m);
-    let mut player = Player::new(model, unified, &options, None).unwrap();
+    let mut player = Player::new(model, welded, &options, None).unwrap();
     times
         .iter()
         .map(|&t| {
-            let draw = player.play_to(t);
-            refine(model, unified, &draw, &player.state, &Profile::sine(), parts)
+            let drawn = player.play_to(t);
+            let frame = Frame { state: &player.state, drawn: &drawn };
+            refine(model, welded, &frame, &Profile::sine(), parts)
         })
         .collect()
 }
@@ -68,9 +68,9 @@ fn flat(list: &[Vec3]) -> Vec<f32> {
 
 #[test]
 fn divided_faces_meet_and_lie_on_the_waves() {
-    let (model, unified) = made(models::sleeve());
+    let (model, welded) = made(models::sleeve());
     let parts = 5;
-    let fine = &fine_at(&model, &unified, 0.04, &[1.0], parts)[0];
+    let fine = &fine_at(&model, &welded, 0.04, &[1.0], parts)[0];
     assert_eq!(fine.faces.len(), model.faces.len() * parts * parts);
     // Euler's number is that of the coarse mesh as it is drawn (a strip, cut open at the seam), so
     // nothing is doubled or torn.
@@ -100,21 +100,21 @@ fn divided_faces_meet_and_lie_on_the_waves() {
         assert!((fine.positions[i * 21] - fine.positions[i * 21 + 20]).norm() < 1e-6);
     }
     // Not flat: some vertices are as high as the waves.
-    let draw = &fine_at(&model, &unified, 0.04, &[1.0], 1)[0];
+    let draw = &fine_at(&model, &welded, 0.04, &[1.0], 1)[0];
     let flat_model = LiveOptions { wavelength_m: vec![1e-6], ..LiveOptions::new(1e-6) };
-    let mut player = Player::new(&model, &unified, &flat_model, None).unwrap();
+    let mut player = Player::new(&model, &welded, &flat_model, None).unwrap();
     let base = player.play_to(1.0);
     let off =
         draw.positions.iter().zip(&base.positions).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
     assert!(off > 0.004 && off <= 0.0101, "{off}");
-    assert!((5..=6).contains(&suggest_parts(&unified, 0.04, 8.0)));
+    assert!((5..=6).contains(&suggest_parts(&welded, 0.04, 8.0)));
 }
 
 #[test]
 fn a_still_comes_back_as_it_was_written() {
-    let (mut model, unified) = made(models::shirt());
+    let (mut model, welded) = made(models::shirt());
     model.base_colour = Some(b"\x89PNG\r\n\x1a\nnot really one".to_vec());
-    let fine = &fine_at(&model, &unified, 0.06, &[0.8], 4)[0];
+    let fine = &fine_at(&model, &welded, 0.06, &[0.8], 4)[0];
     let mut bytes = Vec::new();
     write_still(&mut bytes, &model, fine).unwrap();
     let file = gltf::Gltf::from_slice(&bytes).unwrap();
@@ -137,13 +137,13 @@ fn a_still_comes_back_as_it_was_written() {
 
 #[test]
 fn an_animation_shows_each_frame_at_its_time() {
-    let (model, unified) = made(models::sleeve());
+    let (model, welded) = made(models::sleeve());
     let times: Vec<f32> = (0..7).map(|k| k as f32 / 10.0).collect();
-    let frames = fine_at(&model, &unified, 0.04, &times, 3);
+    let frames = fine_at(&model, &welded, 0.04, &times, 3);
     let error =
         |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f32::max);
     assert!(error(&frames[0].positions, &frames[6].positions) > 0.05, "it moves");
-    for between in [Between::Step, Between::Linear] {
+    for between in [FrameInterpolation::Step, FrameInterpolation::Linear] {
         let mut bytes = Vec::new();
         write_sequence(&mut bytes, &model, &frames, 10.0, between).unwrap();
         let file = gltf::Gltf::from_slice(&bytes).unwrap();
@@ -175,16 +175,16 @@ fn an_animation_shows_each_frame_at_its_time() {
             .map(|(a, b)| 0.5 * (a + b))
             .collect();
         match between {
-            Between::Step => assert!(error(&half, &frames[2].positions) < 1e-6),
-            Between::Linear => assert!(error(&half, &middle) < 1e-6),
+            FrameInterpolation::Step => assert!(error(&half, &frames[2].positions) < 1e-6),
+            FrameInterpolation::Linear => assert!(error(&half, &middle) < 1e-6),
         }
     }
 }
 
 #[test]
 fn what_cannot_be_written_is_told() {
-    let (model, unified) = made(models::sleeve());
-    let frames = fine_at(&model, &unified, 0.04, &[0.0, 0.1], 1);
+    let (model, welded) = made(models::sleeve());
+    let frames = fine_at(&model, &welded, 0.04, &[0.0, 0.1], 1);
     let mut broken = frames[0].clone();
     broken.positions[3].x = f32::NAN;
     assert!(
@@ -193,12 +193,20 @@ fn what_cannot_be_written_is_told() {
             .to_string()
             .contains("position (3)")
     );
-    assert!(write_sequence(&mut Vec::new(), &model, &frames, 0.0, Between::Step).is_err());
-    assert!(write_sequence(&mut Vec::new(), &model, &[], 10.0, Between::Step).is_err());
-    let other = fine_at(&model, &unified, 0.04, &[0.0], 2).remove(0);
     assert!(
-        write_sequence(&mut Vec::new(), &model, &[frames[0].clone(), other], 10.0, Between::Step)
-            .is_err()
+        write_sequence(&mut Vec::new(), &model, &frames, 0.0, FrameInterpolation::Step).is_err()
+    );
+    assert!(write_sequence(&mut Vec::new(), &model, &[], 10.0, FrameInterpolation::Step).is_err());
+    let other = fine_at(&model, &welded, 0.04, &[0.0], 2).remove(0);
+    assert!(
+        write_sequence(
+            &mut Vec::new(),
+            &model,
+            &[frames[0].clone(), other],
+            10.0,
+            FrameInterpolation::Step
+        )
+        .is_err()
     );
     check_size(&model, 8, 100).unwrap();
     let message = check_size(&model, 8, 5000).unwrap_err().to_string();

@@ -6,7 +6,7 @@ use base64::prelude::{BASE64_STANDARD, Engine};
 use plisse_live::gltf_in::{from_bytes, read};
 use plisse_live::live::{LiveOptions, LiveState};
 use plisse_live::skin::{pose, skin};
-use plisse_live::unify::Unified;
+use plisse_live::weld::WeldedMesh;
 use serde_json::{Value, json};
 
 /// A GLB of `json` and `bin`.
@@ -42,16 +42,22 @@ fn sound() -> (Value, Vec<u8>) {
     let json = json!({
         "asset": {"version": "2.0"}, "buffers": [{"byteLength": bin.len()}], "bufferViews": views,
         "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                "min": [0, 0, 0], "max": [1, 1, 0]},
             {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"},
             {"bufferView": 2, "componentType": 5121, "count": 4, "type": "VEC4"},
             {"bufferView": 3, "componentType": 5126, "count": 4, "type": "VEC4"},
-            {"bufferView": 4, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+            {"bufferView": 4, "componentType": 5126, "count": 2, "type": "SCALAR",
+                "min": [0], "max": [1]},
             {"bufferView": 5, "componentType": 5126, "count": 2, "type": "VEC4"}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3}, "indices": 1}]}],
+        "meshes": [{"primitives": [
+            {"attributes": {"POSITION": 0, "JOINTS_0": 2, "WEIGHTS_0": 3}, "indices": 1}]}],
         "nodes": [{"mesh": 0, "skin": 0}, {"children": [2]}, {}],
         "skins": [{"joints": [1, 2]}],
-        "animations": [{"name": "turn", "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}], "samplers": [{"input": 4, "output": 5}]}],
+        "animations": [{
+            "name": "turn",
+            "channels": [{"sampler": 0, "target": {"node": 2, "path": "rotation"}}],
+            "samplers": [{"input": 4, "output": 5}]}],
         "scenes": [{"nodes": [0, 1]}], "scene": 0});
     (json, bin)
 }
@@ -68,20 +74,20 @@ fn sentence(name: &str, file: &[u8]) -> String {
 /// Runs a few frames of whatever clip there is; everything stays a number.
 fn runs(file: &[u8]) {
     let model = from_bytes("model.glb", file, None).unwrap();
-    let unified = Unified::new(&model, 1e-5);
+    let welded = WeldedMesh::new(&model, 1e-5);
     let mut live = LiveState::default();
     for frame in 0..5 {
         live.step(
-            &unified,
+            &welded,
             &pose(&model, model.clip(None), 0.2 * frame as f32),
             &LiveOptions::new(0.3),
         );
-        assert!(live.phase.iter().chain(&live.crushed.amplitude_m).all(|x| x.is_finite()));
+        assert!(live.phase.iter().chain(&live.waves.amplitude_m).all(|x| x.is_finite()));
         assert!(
             live.posed
                 .positions
                 .iter()
-                .chain(&live.crushed.wave)
+                .chain(&live.waves.wave)
                 .all(|x| x.iter().all(|x| x.is_finite()))
         );
     }
@@ -121,7 +127,13 @@ fn red_vertex_colours_are_shares_of_the_wavelength() {
     let colours: Vec<u8> =
         [[255u8, 0, 0, 255], [51, 9, 9, 255], [0, 9, 9, 255], [102, 0, 0, 255]].concat();
     let (mut json, bin) = with_views(&[colours]);
-    let accessor = json!({"bufferView": 6, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4"});
+    let accessor = json!({
+        "bufferView": 6,
+        "componentType": 5121,
+        "normalized": true,
+        "count": 4,
+        "type": "VEC4",
+    });
     json["accessors"].as_array_mut().unwrap().push(accessor);
     json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(6);
     let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
@@ -130,12 +142,12 @@ fn red_vertex_colours_are_shares_of_the_wavelength() {
         shares.iter().zip([1.0, 0.2, 0.0, 0.4]).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-6),
         "{shares:?}"
     );
-    let unified = Unified::new(&model, 1e-5);
-    let list = plisse_live::wavelength::per_vertex(&unified, 0.3, Some(shares));
+    let welded = WeldedMesh::new(&model, 1e-5);
+    let list = plisse_live::wavelength::per_vertex(&welded, 0.3, Some(shares));
     assert!((list[3] - 0.12).abs() < 1e-6 && list[2] > 0.0);
     let mut live = LiveState::default();
     let options = LiveOptions { wavelength_m: list, ..LiveOptions::new(0.3) };
-    live.step(&unified, &pose(&model, model.clip(None), 0.5), &options);
+    live.step(&welded, &pose(&model, model.clip(None), 0.5), &options);
     assert!(live.phase.iter().all(|x| x.is_finite()));
     let (json, bin) = sound();
     assert_eq!(from_bytes("model.glb", &glb(&json, &bin), None).unwrap().wavelength_share, None);
@@ -145,7 +157,11 @@ fn red_vertex_colours_are_shares_of_the_wavelength() {
 fn sparse_accessors_put_numbers_in_place() {
     let floats = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let (mut json, bin) = with_views(&[vec![1, 3], floats(&[5., 0., 0., 0., 7., 0.])]);
-    json["accessors"][0]["sparse"] = json!({"count": 2, "indices": {"bufferView": 6, "componentType": 5121}, "values": {"bufferView": 7}});
+    json["accessors"][0]["sparse"] = json!({
+        "count": 2,
+        "indices": {"bufferView": 6, "componentType": 5121},
+        "values": {"bufferView": 7},
+    });
     // Without a skin, nothing scales the positions.
     json.as_object_mut().unwrap().remove("skins");
     json["nodes"][0].as_object_mut().unwrap().remove("skin");
@@ -283,7 +299,7 @@ fn broken_files_end_in_one_sentence() {
     sentence("NaN key", &patched(140, &f32::NAN.to_le_bytes()));
 }
 
-/// What this reader has no use for does not make a file unusable, whether it is in order or not.
+/// Parts of a file that this reader has no use for never make it unusable, even if they are broken.
 #[test]
 fn what_is_not_read_may_be_anything() {
     let (json, bin) = sound();
@@ -313,7 +329,10 @@ fn what_is_not_read_may_be_anything() {
         ("/accessors/0/min", json!(null)),
         (
             "/materials",
-            json!([{"alphaMode": "GLASS", "pbrMetallicRoughness": {"baseColorTexture": {"index": 5}}}]),
+            json!([{
+                "alphaMode": "GLASS",
+                "pbrMetallicRoughness": {"baseColorTexture": {"index": 5}},
+            }]),
         ),
         ("/textures", json!([{"sampler": 9, "extensions": {"EXT_texture_webp": {"source": 0}}}])),
         ("/samplers", json!([{"wrapS": 3}])),
@@ -335,7 +354,10 @@ fn what_is_not_read_may_be_anything() {
     assert_eq!(
         with(
             target,
-            json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/scale"}}})
+            json!({
+                "path": "pointer",
+                "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/2/scale"}},
+            })
         ),
         0
     );
@@ -348,7 +370,8 @@ fn the_base_colour_is_found_in_either_kind_of_material() {
     json["textures"] = json!([{}, {"source": 1}]);
     // A view without a MIME type is a mistake that many files make.
     json["images"] = json!([{"uri": "nowhere.png"}, {"bufferView": 6}]);
-    let glossy = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseTexture": {"index": 1}}}});
+    let texture = json!({"diffuseTexture": {"index": 1}});
+    let glossy = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": texture}});
     for material in [json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}), glossy] {
         json["materials"] = json!([{"name": "plain"}, material]);
         let model = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
@@ -383,12 +406,12 @@ fn odd_files_give_a_still() {
     zero[12..48].fill(0);
     runs(&glb(&json, &zero));
     let model = from_bytes("flat", &glb(&json, &zero), None).unwrap();
-    let unified = Unified::new(&model, 1e-5);
+    let welded = WeldedMesh::new(&model, 1e-5);
     let mut live = LiveState::default();
-    live.step(&unified, &pose(&model, None, 0.0), &LiveOptions::new(0.1));
+    live.step(&welded, &pose(&model, None, 0.0), &LiveOptions::new(0.1));
     assert_eq!(
-        (live.crushed.singular, live.crushed.amplitude_m.iter().sum::<f32>()),
-        (unified.count(), 0.0)
+        (live.waves.singular, live.waves.amplitude_m.iter().sum::<f32>()),
+        (welded.count(), 0.0)
     );
 }
 
@@ -402,42 +425,37 @@ fn the_fox_wrinkles_without_jumps() {
         (1728, 576, 26, 3)
     );
     assert!(model.base_colour.as_ref().is_some_and(|b| b.starts_with(b"\x89PNG")));
-    let unified = Unified::new(&model, 1e-5);
-    assert!(unified.count() < 400, "{}", unified.count());
+    let welded = WeldedMesh::new(&model, 1e-5);
+    assert!(welded.count() < 400, "{}", welded.count());
     for clip in &model.clips {
         let mut live = LiveState::default();
         let options = LiveOptions::new(6.0);
         let (mut worst, mut error, mut wrinkled) = (0f32, 0.0, 0.0);
         let frames = 180;
         for frame in 0..frames {
-            let last = (live.crushed.strength.clone(), live.phase.clone());
+            let last = (live.waves.strength.clone(), live.phase.clone());
             live.step(
-                &unified,
+                &welded,
                 &pose(&model, Some(clip), frame as f32 / 60.0 % clip.duration_s()),
                 &options,
             );
             if frame > 0 {
-                worst = worst.max(plisse_live::crush::jumping(
-                    [&last.0, &live.crushed.strength],
+                worst = worst.max(plisse_live::crush::phase_jump_share(
+                    [&last.0, &live.waves.strength],
                     [&last.1, &live.phase],
                     0.05,
                 ));
             }
-            error += plisse_live::relax::mean_phase_error(
-                &unified,
-                &live.posed.positions,
-                &live.crushed,
-                &live.phase,
-            ) / frames as f32;
-            wrinkled += live.crushed.strength.iter().filter(|&&s| s >= 0.05).count() as f32
-                / (frames * unified.count()) as f32;
+            error += live.mean_phase_error(&welded) / frames as f32;
+            wrinkled += live.waves.strength.iter().filter(|&&s| s >= 0.05).count() as f32
+                / (frames * welded.count()) as f32;
         }
         eprintln!(
             "fox {}: {} vertices, {} singular, {:.0} % wrinkled, worst jump share {worst}, mean \
              phase error {error:.4}",
             clip.name,
-            unified.count(),
-            live.crushed.singular,
+            welded.count(),
+            live.waves.singular,
             100.0 * wrinkled
         );
         assert!(worst <= 0.005 && wrinkled > 0.05 && error < 0.2);

@@ -1,13 +1,15 @@
-//! The stages against closed forms and the figures that the paper and issue 4 ask for.
+//! The stages against closed forms and the paper's figures.
 
-use plisse_live::crush::{CrushInput, Crushed, crush, jumping};
+use plisse_live::crush::{CrushInput, PlaneWaves, crush, phase_jump_share};
 use plisse_live::live::{LiveOptions, LiveState};
 use plisse_live::model::Model;
 use plisse_live::profile::Profile;
-use plisse_live::relax::{VISIBLE, mean_phase_error, random_phases, relax_rounds, spread};
+use plisse_live::relax::{
+    PhaseCoupling, VISIBLE, mean_phase_error, propagate_phases, random_phases, relax_rounds,
+};
 use plisse_live::render::{Corner, FaceWaves};
-use plisse_live::skin::{Skinned, pose, skin};
-use plisse_live::unify::{Unified, fill_normals};
+use plisse_live::skin::{PosedVertices, pose, skin};
+use plisse_live::weld::{WeldedMesh, fill_normals};
 use plisse_live::{Vec2, Vec3, field, models};
 
 const W: f32 = 0.08;
@@ -16,31 +18,31 @@ fn input(wavelength: &[f32]) -> CrushInput<'_> {
     CrushInput { wavelength_m: wavelength, bias: &[], last_direction: &[] }
 }
 
-fn posed_at(model: &Model, unified: &Unified, time_s: f32) -> Skinned {
-    skin(&unified.vertices, &pose(model, model.clip(None), time_s))
+fn posed_at(model: &Model, welded: &WeldedMesh, time_s: f32) -> PosedVertices {
+    skin(&welded.vertices, &pose(model, model.clip(None), time_s))
 }
 
-fn square_at(time_s: f32) -> (Unified, Skinned, Crushed) {
+fn square_at(time_s: f32) -> (WeldedMesh, PosedVertices, PlaneWaves) {
     let model = models::square().unwrap();
-    let unified = Unified::new(&model, 1e-5);
-    let posed = posed_at(&model, &unified, time_s);
-    let crushed = crush(&unified, &posed, &input(&[W]));
-    (unified, posed, crushed)
+    let welded = WeldedMesh::new(&model, 1e-5);
+    let posed = posed_at(&model, &welded, time_s);
+    let waves = crush(&welded, &posed, &input(&[W]));
+    (welded, posed, waves)
 }
 
 #[test]
 fn the_models_have_the_sizes_of_the_paper() {
     let square = models::square().unwrap();
     assert!((140..=156).contains(&square.faces.len()), "{}", square.faces.len());
-    let curtain = Unified::new(&models::curtain().unwrap(), 1e-5).count();
+    let curtain = WeldedMesh::new(&models::curtain().unwrap(), 1e-5).count();
     assert!((85..=99).contains(&curtain), "{curtain}");
     let zeppelin = models::zeppelin();
-    assert_eq!(Unified::new(&zeppelin, 1e-5).count(), 508);
+    assert_eq!(WeldedMesh::new(&zeppelin, 1e-5).count(), 508);
     for model in [zeppelin, models::sleeve()] {
-        let unified = Unified::new(&model, 1e-5);
-        let (x, n) = (&unified.vertices.positions, &unified.vertices.normals);
+        let welded = WeldedMesh::new(&model, 1e-5);
+        let (x, n) = (&welded.vertices.positions, &welded.vertices.normals);
         assert!(
-            (0..unified.count()).all(|v| n[v].dot(&Vec3::new(
+            (0..welded.count()).all(|v| n[v].dot(&Vec3::new(
                 if x[v].y == 0.0 { x[v].x } else { 0.0 },
                 x[v].y,
                 x[v].z
@@ -54,15 +56,15 @@ fn the_models_have_the_sizes_of_the_paper() {
 #[test]
 fn the_shirt_is_one_sound_surface() {
     let model = models::shirt();
-    let unified = Unified::new(&model, 1e-5);
-    assert!((440..=470).contains(&unified.count()), "{}", unified.count());
+    let welded = WeldedMesh::new(&model, 1e-5);
+    assert!((440..=470).contains(&welded.count()), "{}", welded.count());
     // Manifold and alike oriented, or this is an error; with no hole at the armholes.
-    let topology = field::topology("shirt", &unified).unwrap();
+    let topology = field::topology("shirt", &welded).unwrap();
     let euler =
         topology.vertex_count as i64 - topology.edge_count() as i64 + topology.face_count() as i64;
     assert_eq!(euler, 2 - 4, "a sphere with hem, neck and two cuffs cut out");
-    let (x, n) = (&unified.vertices.positions, &unified.vertices.normals);
-    for face in &unified.faces {
+    let (x, n) = (&welded.vertices.positions, &welded.vertices.normals);
+    for face in &welded.faces {
         let [a, b, c] = face.map(|v| x[v as usize]);
         let area = (b - a).cross(&(c - a));
         assert!(area.norm() > 1e-4, "a face without an area");
@@ -71,7 +73,7 @@ fn the_shirt_is_one_sound_surface() {
     // Outwards: the signed volume of the open surface with a fan over each hole is that of its
     // faces, seen from within.
     let centre = Vec3::new(0.0, 0.3, 0.0);
-    let volume: f32 = unified
+    let volume: f32 = welded
         .faces
         .iter()
         .map(|f| f.map(|v| x[v as usize] - centre))
@@ -85,14 +87,14 @@ fn the_shirt_is_one_sound_surface() {
     }
     assert!(
         model.uvs.iter().all(|uv| uv.min() >= 0.0 && uv.max() <= 1.0)
-            && model.draw.positions.len() > unified.count()
+            && model.draw.positions.len() > welded.count()
     );
-    // The same in rest: nothing is crushed. In the middle of the clip both elbows are, and by the
-    // end of the third quarter the armpits.
+    // The same in rest: nothing is compressed. In the middle of the clip both elbows are, and by
+    // the end of the third quarter the armpits.
     let strength = |time_s: f32, centre: Vec3, reach: f32| {
-        let crushed = crush(&unified, &posed_at(&model, &unified, time_s), &input(&[0.06]));
-        let near = (0..unified.count()).filter(|&v| (x[v] - centre).norm() < reach);
-        near.map(|v| crushed.strength[v]).fold(0.0, f32::max)
+        let waves = crush(&welded, &posed_at(&model, &welded, time_s), &input(&[0.06]));
+        let near = (0..welded.count()).filter(|&v| (x[v] - centre).norm() < reach);
+        near.map(|v| waves.strength[v]).fold(0.0, f32::max)
     };
     for side in [1.0, -1.0] {
         let elbow = Vec3::new(side * 0.47, 0.4, 0.05);
@@ -110,20 +112,16 @@ fn the_shirt_is_one_sound_surface() {
 #[test]
 fn the_square_has_the_true_wave_vectors() {
     for (time_s, width) in [(1.0, 0.98f32), (2.0, 0.75), (3.0, 0.5)] {
-        let (unified, _, crushed) = square_at(time_s);
-        assert_eq!(crushed.singular, 0);
-        for v in 0..unified.count() {
-            let k = crushed.wave[v];
+        let (welded, _, waves) = square_at(time_s);
+        assert_eq!(waves.singular, 0);
+        for v in 0..welded.count() {
+            let k = waves.wave[v];
             let off = (k.y.abs() + k.z.abs()).atan2(k.x.abs()).to_degrees();
             assert!(off < 0.1, "{off} degrees at {v}, {width}");
             let length = std::f32::consts::TAU / (W * width);
             assert!((k.norm() / length - 1.0).abs() < 1e-3);
             let h = 0.25 * W * (1.0 - width * width).sqrt();
-            assert!(
-                (crushed.amplitude_m[v] - h).abs() < 1e-4 * W,
-                "{} {h}",
-                crushed.amplitude_m[v]
-            );
+            assert!((waves.amplitude_m[v] - h).abs() < 1e-4 * W, "{} {h}", waves.amplitude_m[v]);
         }
     }
 }
@@ -131,26 +129,26 @@ fn the_square_has_the_true_wave_vectors() {
 /// Waves along the lines across the folds: crests of the rendered height are counted on each of
 /// `lines` lines.
 fn wave_counts(
-    unified: &Unified,
-    posed: &Skinned,
-    crushed: &Crushed,
+    welded: &WeldedMesh,
+    posed: &PosedVertices,
+    waves: &PlaneWaves,
     phase: &[f32],
     width: f32,
     lines: usize,
 ) -> Vec<f32> {
     let samples = 1000;
     let profile = Profile::sine();
-    let waves: Vec<FaceWaves> = unified
+    let faces: Vec<FaceWaves> = welded
         .faces
         .iter()
-        .map(|f| FaceWaves::new(f.map(|v| corner(posed, crushed, phase, v as usize))))
+        .map(|f| FaceWaves::new(f.map(|v| corner(posed, waves, phase, v as usize))))
         .collect();
     (0..lines)
         .map(|line| {
             let y = (line as f32 + 0.5) / lines as f32;
             let height = |i: usize| {
                 let x = width * (i as f32 + 0.5) / samples as f32;
-                for face in &waves {
+                for face in &faces {
                     let [a, b, c] = face.corners.map(|c| Vec2::new(c.position.x, c.position.y));
                     let p = Vec2::new(x, y);
                     let area = (b - a).perp(&(c - a));
@@ -167,13 +165,13 @@ fn wave_counts(
         .collect()
 }
 
-fn corner(posed: &Skinned, crushed: &Crushed, phase: &[f32], v: usize) -> Corner {
+fn corner(posed: &PosedVertices, waves: &PlaneWaves, phase: &[f32], v: usize) -> Corner {
     Corner {
         position: posed.positions[v],
         normal: posed.normals[v],
         uv: Vec2::zeros(),
-        amplitude_m: crushed.amplitude_m[v],
-        wave: crushed.wave[v],
+        amplitude_m: waves.amplitude_m[v],
+        wave: waves.wave[v],
         phase: phase[v],
     }
 }
@@ -181,21 +179,22 @@ fn corner(posed: &Skinned, crushed: &Crushed, phase: &[f32], v: usize) -> Corner
 #[test]
 fn relaxation_aligns_the_waves_of_the_square() {
     for (time_s, width) in [(1.0, 0.98f32), (2.0, 0.75), (3.0, 0.5)] {
-        let (unified, posed, crushed) = square_at(time_s);
-        let random = random_phases(unified.count(), 7);
+        let (welded, posed, waves) = square_at(time_s);
+        let random = random_phases(welded.count(), 7);
         let share = |phase: &[f32]| {
-            let counts = wave_counts(&unified, &posed, &crushed, phase, width, 40);
+            let counts = wave_counts(&welded, &posed, &waves, phase, width, 40);
             counts.iter().filter(|&&n| (n - 1.0 / W).abs() <= 1.0).count() as f32
                 / counts.len() as f32
         };
-        let error = |phase: &[f32]| mean_phase_error(&unified, &posed.positions, &crushed, phase);
+        let coupling = PhaseCoupling { mesh: &welded, positions: &posed.positions, waves: &waves };
+        let error = |phase: &[f32]| mean_phase_error(&coupling, phase);
         let mut descended = random.clone();
-        relax_rounds(&unified, &posed.positions, &crushed, 0.5, 500, &mut descended);
-        let mut relaxed = spread(&unified, &posed.positions, &crushed, &random, &[]);
-        relax_rounds(&unified, &posed.positions, &crushed, 0.5, 50, &mut relaxed);
+        relax_rounds(&coupling, 0.5, 500, &mut descended);
+        let mut relaxed = propagate_phases(&coupling, &random, &[]);
+        relax_rounds(&coupling, 0.5, 50, &mut relaxed);
         eprintln!(
-            "{width}: error random {:.4}, descended {:.4}, spread and relaxed {:.5}; lines {:.2} \
-             {:.2} {:.2}",
+            "{width}: error random {:.4}, descended {:.4}, propagated and relaxed {:.5}; lines \
+             {:.2} {:.2} {:.2}",
             error(&random),
             error(&descended),
             error(&relaxed),
@@ -213,13 +212,13 @@ fn relaxation_aligns_the_waves_of_the_square() {
 #[test]
 fn amplitude_follows_equation_2() {
     let model = models::square().unwrap();
-    let unified = Unified::new(&model, 1e-5);
+    let welded = WeldedMesh::new(&model, 1e-5);
     for scale in [0.3f32, 0.6, 0.9, 0.99, 1.0, 1.2] {
-        let mut posed = skin(&unified.vertices, &pose(&model, None, 0.0));
+        let mut posed = skin(&welded.vertices, &pose(&model, None, 0.0));
         posed.positions.iter_mut().for_each(|x| x.x *= scale);
-        let crushed = crush(&unified, &posed, &input(&[W]));
+        let waves = crush(&welded, &posed, &input(&[W]));
         let wanted = (1.0 - scale * scale).max(0.0).sqrt();
-        for s in &crushed.strength {
+        for s in &waves.strength {
             assert!((s - wanted).abs() < 1e-4, "{s} {wanted}");
             assert!(scale < 1.0 || *s == 0.0);
         }
@@ -229,18 +228,18 @@ fn amplitude_follows_equation_2() {
 #[test]
 fn seams_are_not_seen() {
     let mut model = models::sleeve();
-    let unified = Unified::new(&model, 1e-5);
-    fill_normals(&mut model, &unified);
-    assert_eq!(unified.count(), 25 * 20);
+    let welded = WeldedMesh::new(&model, 1e-5);
+    fill_normals(&mut model, &welded);
+    assert_eq!(welded.count(), 25 * 20);
     assert_eq!(model.draw.positions.len(), 25 * 21);
     let mut live = LiveState::default();
-    live.step(&unified, &pose(&model, model.clip(None), 0.7), &LiveOptions::new(0.03));
+    live.step(&welded, &pose(&model, model.clip(None), 0.7), &LiveOptions::new(0.03));
     for i in 0..25 {
         let (a, b) =
-            (unified.vertex_of_draw[i * 21] as usize, unified.vertex_of_draw[i * 21 + 20] as usize);
+            (welded.vertex_of_draw[i * 21] as usize, welded.vertex_of_draw[i * 21 + 20] as usize);
         assert_eq!(
-            (live.crushed.amplitude_m[a], live.phase[a]),
-            (live.crushed.amplitude_m[b], live.phase[b])
+            (live.waves.amplitude_m[a], live.phase[a]),
+            (live.waves.amplitude_m[b], live.phase[b])
         );
         assert!(
             model.draw.normals[i * 21] == model.draw.normals[i * 21 + 20]
@@ -251,29 +250,29 @@ fn seams_are_not_seen() {
 
 #[test]
 fn a_painted_bias_wrinkles_the_rest_pose_along_it() {
-    let (unified, _, _) = square_at(0.0);
-    let posed = Skinned {
-        positions: unified.vertices.positions.clone(),
-        normals: unified.vertices.normals.clone(),
+    let (welded, _, _) = square_at(0.0);
+    let posed = PosedVertices {
+        positions: welded.vertices.positions.clone(),
+        normals: welded.vertices.normals.clone(),
     };
     let p = Vec3::new(0.3, 0.4, 0.0);
-    let bias = vec![p; unified.count()];
-    let crushed = crush(
-        &unified,
+    let bias = vec![p; welded.count()];
+    let waves = crush(
+        &welded,
         &posed,
         &CrushInput { wavelength_m: &[W], bias: &bias, last_direction: &[] },
     );
-    for v in 0..unified.count() {
-        assert!(crushed.wave[v].normalize().dot(&p.normalize()).abs() > 0.9999);
+    for v in 0..welded.count() {
+        assert!(waves.wave[v].normalize().dot(&p.normalize()).abs() > 0.9999);
         let r = 1.0 - p.norm_squared();
-        assert!((crushed.strength[v] - (1.0 - r * r).sqrt()).abs() < 1e-4);
+        assert!((waves.strength[v] - (1.0 - r * r).sqrt()).abs() < 1e-4);
     }
 }
 
 /// Plays `clip` twice at 60 frames a second; worst share of wrinkled vertices that jump, mean phase
 /// error over the frames.
 fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
-    let unified = Unified::new(model, 1e-5);
+    let welded = WeldedMesh::new(model, 1e-5);
     let clip = model.clip(Some(clip)).unwrap();
     let duration = clip.duration_s();
     let options = LiveOptions::new(wavelength_m);
@@ -281,30 +280,28 @@ fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
     let (mut worst, mut error, mut wrinkled) = (0f32, 0.0, 0.0);
     let frames = (120.0 * duration) as usize;
     for frame in 0..frames {
-        let last =
-            (live.crushed.strength.clone(), live.phase.clone(), live.crushed.direction.clone());
-        live.step(&unified, &pose(model, Some(clip), (frame as f32 / 60.0) % duration), &options);
+        let last = (live.waves.strength.clone(), live.phase.clone(), live.waves.direction.clone());
+        live.step(&welded, &pose(model, Some(clip), (frame as f32 / 60.0) % duration), &options);
         if frame > 0 {
             // Directions never turn round, so phases may be compared as they are.
-            assert!(last.2.iter().zip(&live.crushed.direction).all(|(a, b)| a.dot(b) >= 0.0));
-            worst = worst.max(jumping(
-                [&last.0, &live.crushed.strength],
+            assert!(last.2.iter().zip(&live.waves.direction).all(|(a, b)| a.dot(b) >= 0.0));
+            worst = worst.max(phase_jump_share(
+                [&last.0, &live.waves.strength],
                 [&last.1, &live.phase],
                 VISIBLE,
             ));
         }
-        assert!(live.phase.iter().chain(&live.crushed.amplitude_m).all(|x| x.is_finite()));
-        error += mean_phase_error(&unified, &live.posed.positions, &live.crushed, &live.phase)
-            / frames as f32;
-        wrinkled += live.crushed.strength.iter().filter(|&&s| s >= VISIBLE).count() as f32
-            / (frames * unified.count()) as f32;
+        assert!(live.phase.iter().chain(&live.waves.amplitude_m).all(|x| x.is_finite()));
+        error += live.mean_phase_error(&welded) / frames as f32;
+        wrinkled += live.waves.strength.iter().filter(|&&s| s >= VISIBLE).count() as f32
+            / (frames * welded.count()) as f32;
     }
     eprintln!(
         "{} {}: {} vertices, {:.0} % wrinkled, worst jump share {worst:.4}, mean phase error \
          {error:.4}",
         model.name,
         clip.name,
-        unified.count(),
+        welded.count(),
         100.0 * wrinkled
     );
     (worst, error, wrinkled)
@@ -314,9 +311,9 @@ fn play(model: &Model, clip: &str, wavelength_m: f32) -> (f32, f32, f32) {
 fn the_measure_of_jumps_tells_jumps() {
     let strength = vec![0.5; 1000];
     let (a, b) = (random_phases(1000, 1), random_phases(1000, 2));
-    let share = jumping([&strength, &strength], [&a, &b], VISIBLE);
+    let share = phase_jump_share([&strength, &strength], [&a, &b], VISIBLE);
     assert!((share - 0.75).abs() < 0.05, "{share}");
-    assert_eq!(jumping([&strength, &strength], [&a, &a], VISIBLE), 0.0);
+    assert_eq!(phase_jump_share([&strength, &strength], [&a, &a], VISIBLE), 0.0);
 }
 
 #[test]
@@ -335,11 +332,11 @@ fn phases_do_not_jump_on_models_that_move() {
 
 #[test]
 fn a_live_result_goes_to_a_field_and_back() {
-    let (unified, posed, crushed) = square_at(2.0);
-    let topology = field::topology("square", &unified).unwrap();
-    let phase =
-        spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
-    let made = field::to_field(&topology, &unified, &posed.positions, &crushed, &phase);
+    let (welded, posed, waves) = square_at(2.0);
+    let topology = field::topology("square", &welded).unwrap();
+    let coupling = PhaseCoupling { mesh: &welded, positions: &posed.positions, waves: &waves };
+    let phase = propagate_phases(&coupling, &random_phases(welded.count(), 7), &[]);
+    let made = field::to_field(&topology, &coupling, &phase);
     assert!(made.wrinkle_free.iter().all(|free| !free));
     for (f, face) in topology.faces.iter().enumerate() {
         for k in 0..3 {
@@ -354,24 +351,22 @@ fn a_live_result_goes_to_a_field_and_back() {
         }
     }
     let back = field::from_field(&topology, &posed, &made);
-    for v in 0..unified.count() {
-        let sign = back.wave[v].dot(&crushed.wave[v]).signum();
+    for v in 0..welded.count() {
+        let sign = back.wave[v].dot(&waves.wave[v]).signum();
         assert!(
-            (back.wave[v] - crushed.wave[v] * sign).norm() < 1e-2
-                && back.amplitude_m[v] == crushed.amplitude_m[v]
+            (back.wave[v] - waves.wave[v] * sign).norm() < 1e-2
+                && back.amplitude_m[v] == waves.amplitude_m[v]
         );
         assert!(plisse_live::wrap(back.phase[v] - sign * phase[v]).abs() < 1e-3);
     }
     // Where waves do not agree, faces are given up; those that stay are closed.
     let model = models::sleeve();
-    let unified = Unified::new(&model, 1e-5);
+    let welded = WeldedMesh::new(&model, 1e-5);
     let mut live = LiveState::default();
-    live.step(&unified, &pose(&model, model.clip(None), 1.0), &LiveOptions::new(0.05));
-    let topology = field::topology("sleeve", &unified).unwrap();
-    let made =
-        field::to_field(&topology, &unified, &live.posed.positions, &live.crushed, &live.phase);
-    let visible =
-        |f: &usize| topology.faces[*f].iter().all(|&v| live.crushed.strength[v] >= VISIBLE);
+    live.step(&welded, &pose(&model, model.clip(None), 1.0), &LiveOptions::new(0.05));
+    let topology = field::topology("sleeve", &welded).unwrap();
+    let made = field::to_field(&topology, &live.coupling(&welded), &live.phase);
+    let visible = |f: &usize| topology.faces[*f].iter().all(|&v| live.waves.strength[v] >= VISIBLE);
     let all = (0..topology.face_count()).filter(visible).count();
     let kept =
         (0..topology.face_count()).filter(visible).filter(|&f| !made.wrinkle_free[f]).count();
@@ -381,18 +376,18 @@ fn a_live_result_goes_to_a_field_and_back() {
 
 #[test]
 fn accordion_at_half_width_shows_the_zigzag() {
-    let (unified, posed, crushed) = square_at(3.0);
-    let phase =
-        spread(&unified, &posed.positions, &crushed, &random_phases(unified.count(), 7), &[]);
+    let (welded, posed, waves) = square_at(3.0);
+    let coupling = PhaseCoupling { mesh: &welded, positions: &posed.positions, waves: &waves };
+    let phase = propagate_phases(&coupling, &random_phases(welded.count(), 7), &[]);
     let profile = Profile::accordion();
     // A zigzag of W at half its width rises √(1 − ¼)/½ = √3 on each flank, up or down.
     let (mut flanks, mut all) = (0, 0);
-    for face in &unified.faces {
-        let waves = FaceWaves::new(face.map(|v| corner(&posed, &crushed, &phase, v as usize)));
+    for face in &welded.faces {
+        let face_waves = FaceWaves::new(face.map(|v| corner(&posed, &waves, &phase, v as usize)));
         for i in 1..12 {
             for j in 1..12 - i {
                 let (s, t) = (i as f32 / 12.0, j as f32 / 12.0);
-                let slope = waves.at([1.0 - s - t, s, t], &profile).gradient.norm();
+                let slope = face_waves.at([1.0 - s - t, s, t], &profile).gradient.norm();
                 all += 1;
                 flanks += usize::from((slope / 3f32.sqrt() - 1.0).abs() < 0.02);
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use plisse_live::Vec2;
-use plisse_live::skin::Skinned;
+use plisse_live::skin::PosedVertices;
 use web_time::Instant;
 
 use crate::brush::{Canvas, Trail, VertexFaces};
@@ -88,7 +88,7 @@ impl Tools {
     }
 
     /// Paints waiting dabs of the stroke as far as a frame has time; true if there were any.
-    pub(crate) fn paint(&mut self, document: &mut Document, posed: &Skinned) -> bool {
+    pub(crate) fn paint(&mut self, document: &mut Document, posed: &PosedVertices) -> bool {
         let subject = Arc::clone(&document.subject);
         let vertex_faces = Arc::clone(&self.vertex_faces);
         let canvas = canvas(&subject, &vertex_faces, posed);
@@ -129,7 +129,7 @@ fn vertex_faces(subject: &Subject) -> VertexFaces {
 fn canvas<'a>(
     subject: &'a Subject,
     vertex_faces: &'a VertexFaces,
-    posed: &'a Skinned,
+    posed: &'a PosedVertices,
 ) -> Canvas<'a> {
     Canvas { unified: &subject.unified, vertex_faces, posed: &posed.positions }
 }

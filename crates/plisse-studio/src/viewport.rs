@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use egui::{ColorImage, TextureHandle, TextureOptions};
 use plisse_live::Vec3;
-use plisse_live::bake;
 use plisse_live::live::LiveOptions;
-use plisse_live::skin::{Skinned, pose, skin};
+use plisse_live::skin::{PosedVertices, pose, skin};
+use plisse_live::stage::Stage;
 use plisse_live::texture::Texture;
 
 use crate::document::{Document, Layer, Settings, Subject};
@@ -194,12 +194,15 @@ impl Viewport {
     }
 
     /// `[U]` posed vertices of the last frame; the rest pose before the first.
-    pub fn posed(&self, subject: &Subject) -> Arc<Skinned> {
+    pub fn posed(&self, subject: &Subject) -> Arc<PosedVertices> {
         match &self.frame {
             Some(frame) => Arc::clone(&frame.posed),
             None => {
                 let v = &subject.unified.vertices;
-                Arc::new(Skinned { positions: v.positions.clone(), normals: v.normals.clone() })
+                Arc::new(PosedVertices {
+                    positions: v.positions.clone(),
+                    normals: v.normals.clone(),
+                })
             }
         }
     }
@@ -365,10 +368,9 @@ impl Viewport {
     /// Size of the next picture (pixels): half of it while things move on a slow machine.
     fn picture_size(&self, paints: bool) -> [usize; 2] {
         let moves = self.moving || self.playing || paints || self.unsettled > 1;
-        let slow = self
-            .frame
-            .as_ref()
-            .is_some_and(|f| f.stage_ms[4] > SLOW_MS || f.image.width * 2 < self.size[0] + 2);
+        let slow = self.frame.as_ref().is_some_and(|f| {
+            f.stage_ms[Stage::Render] > SLOW_MS || f.image.width * 2 < self.size[0] + 2
+        });
         if moves && slow { self.size.map(|s| (s / 2).max(1)) } else { self.size }
     }
 
@@ -382,15 +384,6 @@ impl Viewport {
 /// The texture of `subject`: its own, a checked cloth, or one colour if it has no texture
 /// coordinates. With a message if its own could not be read.
 pub fn texture_of(subject: &Subject) -> (Texture, Option<String>) {
-    match subject
-        .model
-        .base_colour
-        .as_ref()
-        .map(|bytes| Texture::decode(&subject.model.name, bytes))
-    {
-        Some(Ok(texture)) => (texture, None),
-        Some(Err(error)) => (Texture::checked(), Some(format!("{error}; drawn without it"))),
-        None if bake::check(&subject.model).is_ok() => (Texture::checked(), None),
-        None => (Texture::plain([214, 176, 158]), None),
-    }
+    let (texture, problem) = Texture::of(&subject.model);
+    (texture, problem.map(|error| format!("{error}; drawn without it")))
 }

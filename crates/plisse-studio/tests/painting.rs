@@ -209,7 +209,7 @@ fn angles(
         let way = (dabs[near + 1] - dabs[near - 1]).normalize();
         let n = posed.normals[v];
         let way = (way - n * n.dot(&way)).normalize();
-        let crest = n.cross(&state.crushed.wave[v]).normalize();
+        let crest = n.cross(&state.waves.wave[v]).normalize();
         found.push(crest.dot(&way).abs().min(1.0).acos().to_degrees());
     }
     found

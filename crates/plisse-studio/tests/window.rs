@@ -147,10 +147,7 @@ fn it_begins_with_a_model_that_wrinkles() {
     eprintln!("first picture after {:.0} ms", begun.elapsed().as_secs_f64() * 1e3);
     let frame = harness.state().viewport.frame.clone().unwrap();
     let state = frame.state.unwrap();
-    assert!(
-        state.crushed.strength.iter().filter(|&&s| s > 0.3).count() > 40,
-        "the curtain wrinkles"
-    );
+    assert!(state.waves.strength.iter().filter(|&&s| s > 0.3).count() > 40, "the curtain wrinkles");
     // The picture shows it: many colours, and the model fills it.
     let background = plisse_live::draw::BACKGROUND;
     let covered = frame.image.pixels.chunks(3).filter(|p| *p != background).count();

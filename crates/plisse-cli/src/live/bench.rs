@@ -1,5 +1,5 @@
-//! `plisse live --bench`: milliseconds per stage, on the GPU and by the twins, for the paper's two
-//! cases and larger meshes.
+//! `plisse live --bench`: milliseconds per stage, on the GPU and by the CPU references, for the
+//! paper's two cases and larger meshes.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -8,18 +8,20 @@ use std::time::Instant;
 
 use plisse::Result;
 use plisse::io::staged::OutputFolder;
-use plisse_gpu::{Character, Gpu, Live, Painter, STAGES, memory_speed};
+use plisse_gpu::{Character, Gpu, Live, Painter, memory_speed};
 use plisse_live::camera::Camera;
 use plisse_live::crush::{CrushInput, crush};
 use plisse_live::draw::Look;
 use plisse_live::gather::gather;
-use plisse_live::live::LiveOptions;
+use plisse_live::live::{Frame, LiveOptions, LiveState};
+use plisse_live::measures::Measures;
 use plisse_live::model::Model;
 use plisse_live::profile::Profile;
-use plisse_live::relax::relax;
-use plisse_live::skin::{pose, skin};
+use plisse_live::relax::{PhaseCoupling, relax};
+use plisse_live::skin::{Pose, pose, skin};
+use plisse_live::stage::{PerStage, Stage, StageTimes};
 use plisse_live::texture::Texture;
-use plisse_live::unify::{Unified, fill_normals};
+use plisse_live::weld::{WeldedMesh, fill_normals};
 use plisse_live::{Vec3, models};
 use serde_json::json;
 
@@ -31,14 +33,17 @@ use crate::terminal::{RunEnd, print};
 /// Size of the pictures, that of the paper's benchmark (pixels).
 const SIZE: [usize; 2] = [1280, 1024];
 
+/// Vertices closer than this share of the sheet's size are welded: none are.
+const TOLERANCE: f32 = 1e-7;
+
 /// One row of the table.
 struct Case {
     name: &'static str,
     columns: usize,
     rows: usize,
-    /// Pixels that the model covers.
+    /// Number of pixels that the model covers.
     pixels: f32,
-    /// What table 2 of the paper says of this case (ms): skin, crush, relax, render.
+    /// Milliseconds of skin, crush, relax and render in the paper's table 2.
     published_ms: Option<[f64; 4]>,
 }
 
@@ -62,15 +67,16 @@ const CASES: [Case; 5] = [
     Case { name: "1M", columns: 1000, rows: 1000, pixels: 500_000.0, published_ms: None },
 ];
 
-/// What a case took (ms): median of each stage; `None` where it was not run or cannot be told.
+/// Measured milliseconds of a case: the median of each stage; `None` where it was not run or cannot
+/// be timed.
 #[derive(Default)]
 struct Row {
     vertices: usize,
     pixels: usize,
-    gpu_ms: [Option<f64>; 5],
-    /// Without the picture.
-    twin_ms: [Option<f64>; 5],
-    /// Least bytes that skin, crush and one relax must move.
+    gpu_ms: StageTimes,
+    /// Of the CPU references, without the picture.
+    cpu_ms: StageTimes,
+    /// Least number of bytes that skin, crush and one relax must move.
     bytes: usize,
 }
 
@@ -99,12 +105,25 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
         .iter()
         .zip(&CASES)
         .map(|(row, case)| {
-            json!({"case": case.name, "vertices": row.vertices, "pixels": row.pixels, "stages": STAGES, "gpu_ms": row.gpu_ms,
-                "twin_ms": row.twin_ms, "bytes_of_skin_crush_relax": row.bytes, "published_ms_of_skin_crush_relax_render": case.published_ms})
+            json!({
+                "case": case.name,
+                "vertices": row.vertices,
+                "pixels": row.pixels,
+                "stages": Stage::ALL.map(Stage::name),
+                "gpu_ms": row.gpu_ms.values(),
+                "cpu_ms": row.cpu_ms.values(),
+                "bytes_of_skin_crush_relax": row.bytes,
+                "published_ms_of_skin_crush_relax_render": case.published_ms,
+            })
         })
         .collect();
     folder.write("bench.md", |out| out.write_all(table.as_bytes()))?;
-    let whole = json!({"adapter": adapter, "memory_bytes_per_second": speed, "threads": rayon::current_num_threads(), "cases": list});
+    let whole = json!({
+        "adapter": adapter,
+        "memory_bytes_per_second": speed,
+        "threads": rayon::current_num_threads(),
+        "cases": list,
+    });
     write_json(&mut folder, "bench.json", &whole)?;
     folder.commit()?;
     print(&table);
@@ -113,8 +132,8 @@ pub(super) fn run(arguments: &LiveArguments, interrupted: &AtomicBool) -> Result
 
 fn table(rows: &[Row], adapter: &str) -> String {
     let mut table = format!(
-        "Milliseconds per stage (median). Adapter: {adapter}; twins on {} threads; pictures of {} \
-         x {} pixels.\n\n\
+        "Milliseconds per stage (median). Adapter: {adapter}; CPU references on {} threads; \
+         pictures of {} x {} pixels.\n\n\
          | case | vertices | pixels | by | skin | crush | relax | gather | render \
          |\n|---|---|---|---|---|---|---|---|---|\n",
         rayon::current_num_threads(),
@@ -123,7 +142,7 @@ fn table(rows: &[Row], adapter: &str) -> String {
     );
     let cell = |ms: &Option<f64>| ms.map_or("".to_owned(), |ms| format!("{ms:.3}"));
     for (row, case) in rows.iter().zip(&CASES) {
-        let mut line = |by: &str, ms: &[Option<f64>; 5]| {
+        let mut line = |by: &str, ms: &[Option<f64>]| {
             let cells: Vec<String> = ms.iter().map(cell).collect();
             let _ = writeln!(
                 table,
@@ -140,18 +159,20 @@ fn table(rows: &[Row], adapter: &str) -> String {
                 &[Some(skin), Some(crush), Some(relax), None, Some(render)],
             );
         }
-        if row.gpu_ms.iter().any(Option::is_some) {
-            line("adapter", &row.gpu_ms);
+        if row.gpu_ms.values().iter().any(Option::is_some) {
+            line("adapter", row.gpu_ms.values());
         }
-        line("twins", &row.twin_ms);
+        line("CPU", row.cpu_ms.values());
     }
     table
 }
 
-/// What the largest case took, beside what its bytes cost at the adapter's memory speed (bytes per
-/// second).
+/// The time of the largest case beside that of moving its bytes at the adapter's memory speed
+/// (bytes per second).
 fn against_memory(row: &Row, speed: f64) -> String {
-    let Some(took_ms) = row.gpu_ms[..3].iter().copied().sum::<Option<f64>>() else {
+    let stages = [Stage::Skin, Stage::Crush, Stage::Relax];
+    let Some(took_ms) = stages.map(|stage| row.gpu_ms[stage]).into_iter().sum::<Option<f64>>()
+    else {
         return String::new();
     };
     let cost_ms = 1e3 * row.bytes as f64 / speed;
@@ -166,91 +187,101 @@ fn against_memory(row: &Row, speed: f64) -> String {
     )
 }
 
-fn median(list: &mut [f64]) -> Option<f64> {
-    list.sort_by(f64::total_cmp);
-    list.get(list.len() / 2).copied()
-}
-
 fn measure(case: &Case, gpu: Option<&Gpu>) -> Result<Row> {
     let mut model: Model = models::sheet(case.columns, case.rows);
-    let unified = Unified::new(&model, 1e-7);
-    fill_normals(&mut model, &unified);
-    let options = LiveOptions { first_rounds: 1, spread_new: false, ..LiveOptions::new(0.05) };
-    let frames = (2_000_000 / unified.count()).clamp(5, 60);
-    let poses: Vec<_> =
+    let welded = WeldedMesh::new(&model, TOLERANCE);
+    fill_normals(&mut model, &welded);
+    let options = LiveOptions { first_rounds: 1, propagate_new: false, ..LiveOptions::new(0.05) };
+    let frames = (2_000_000 / welded.count()).clamp(5, 60);
+    let poses: Vec<Pose> =
         (0..frames).map(|k| pose(&model, model.clip(None), k as f32 / frames as f32)).collect();
-    let neighbours = unified.neighbours.len();
+    let neighbours = welded.neighbours.len();
     // Rest and posed vertices, joints and weights in and out of Skin; each array of Crush and Relax
     // once.
     let skin_bytes = 32 + 32 + 24;
-    let bytes = 2 * unified.count() * skin_bytes
-        + unified.count() * (64 + 8 + 48 + 32 + 16 + 8 + 8)
+    let bytes = 2 * welded.count() * skin_bytes
+        + welded.count() * (64 + 8 + 48 + 32 + 16 + 8 + 8)
         + 8 * neighbours;
-    let mut row = Row { vertices: unified.count(), bytes, ..Row::default() };
-    let mut lists: [Vec<f64>; 5] = Default::default();
+    let mut row = Row { vertices: welded.count(), bytes, ..Row::default() };
     if let Some(gpu) = gpu {
-        let characters = [Character {
+        let character = Character {
             model: &model,
-            unified: &unified,
+            welded: &welded,
             wavelength_m: &options.wavelength_m,
             bias: &[],
-        }];
-        let mut live = Live::new(gpu, &characters)?;
-        live.begin(gpu, &characters, &[&poses[0]], &options)?;
-        let texture = Texture::checked();
-        let painter = Painter::new(gpu, SIZE, 1, &[&texture])?;
-        let profile = Profile::sine();
-        let look = Look {
-            profile: &profile,
-            texture: &texture,
-            colour: Vec3::repeat(1.0),
-            parallax: true,
         };
-        let mut camera = Camera::fit(
-            unified.vertices.positions.iter(),
-            0.0,
-            0.0,
-            SIZE[0] as f32 / SIZE[1] as f32,
-        );
-        live.step(gpu, &[&poses[frames / 2]], &options)?;
-        for _ in 0..4 {
-            painter.draw(gpu, &mut live, &camera, &look)?;
-            row.pixels = painter.read(gpu)?.covered;
-            camera = camera.nearer((case.pixels / row.pixels.max(1) as f32).sqrt());
-        }
-        for now in &poses {
-            live.step(gpu, &[now], &options)?;
-            painter.draw(gpu, &mut live, &camera, &look)?;
-            for (list, time) in lists.iter_mut().zip(live.times_ms(gpu, true)?) {
-                list.extend(time);
-            }
-        }
-        row.gpu_ms = std::array::from_fn(|s| median(&mut lists[s]));
+        (row.gpu_ms, row.pixels) = measure_gpu(gpu, character, &poses, &options, case.pixels)?;
     }
-    let mut lists: [Vec<f64>; 5] = Default::default();
-    let mut phase = vec![0.0; unified.count()];
+    let few = &poses[..frames.min(20)];
+    row.cpu_ms = measure_cpu(&model, &welded, few, &options);
+    Ok(row)
+}
+
+/// Medians on the GPU, and the number of pixels that the model covers: about `pixels`.
+fn measure_gpu(
+    gpu: &Gpu,
+    character: Character<'_>,
+    poses: &[Pose],
+    options: &LiveOptions,
+    pixels: f32,
+) -> Result<(StageTimes, usize)> {
+    let mut live = Live::new(gpu, &[character])?;
+    live.begin(gpu, &[character], &[&poses[0]], options)?;
+    let texture = Texture::checked();
+    let painter = Painter::new(gpu, SIZE, 1, &[&texture])?;
+    let profile = Profile::sine();
+    let look =
+        Look { profile: &profile, texture: &texture, colour: Vec3::repeat(1.0), parallax: true };
+    let places = &character.welded.vertices.positions;
+    let mut camera = Camera::fit(places.iter(), 0.0, 0.0, SIZE[0] as f32 / SIZE[1] as f32);
+    live.step(gpu, &[&poses[poses.len() / 2]], options)?;
+    let mut covered = 0;
+    for _ in 0..4 {
+        painter.draw(gpu, &mut live, &camera, &look)?;
+        covered = painter.read(gpu)?.covered;
+        camera = camera.nearer((pixels / covered.max(1) as f32).sqrt());
+    }
+    let mut measures = Measures::default();
+    for now in poses {
+        live.step(gpu, &[now], options)?;
+        painter.draw(gpu, &mut live, &camera, &look)?;
+        measures.push_times(&live.times_ms(gpu, true)?);
+    }
+    Ok((PerStage::from_fn(|stage| measures.stage_ms_median(stage)), covered))
+}
+
+/// Medians of the CPU references.
+fn measure_cpu(
+    model: &Model,
+    welded: &WeldedMesh,
+    poses: &[Pose],
+    options: &LiveOptions,
+) -> StageTimes {
+    let mut measures = Measures::default();
+    let mut phase = vec![0.0; welded.count()];
     let mut next = phase.clone();
-    for now in poses.iter().take(frames.min(20)) {
+    for now in poses {
         let mut begun = Instant::now();
-        let mut take = |stage: usize| {
-            lists[stage].push(begun.elapsed().as_secs_f64() * 1e3);
+        let mut take = |stage: Stage| {
+            measures.stage_ms[stage].push(begun.elapsed().as_secs_f64() * 1e3);
             begun = Instant::now();
         };
-        // Unified and draw vertices, as on the GPU.
-        let posed = skin(&unified.vertices, now);
+        // Welded and draw vertices, as on the GPU.
+        let posed = skin(&welded.vertices, now);
         let drawn = skin(&model.draw, now);
-        take(0);
+        take(Stage::Skin);
         let input =
             CrushInput { wavelength_m: &options.wavelength_m, bias: &[], last_direction: &[] };
-        let crushed = crush(&unified, &posed, &input);
-        take(1);
-        relax(&unified, &posed.positions, &crushed, options.rate, &phase, &mut next);
-        take(2);
-        let faces = gather(&model, &unified, &posed, &drawn, &crushed, &next);
-        take(3);
-        std::mem::swap(&mut phase, &mut next);
+        let waves = crush(welded, &posed, &input);
+        take(Stage::Crush);
+        let coupling = PhaseCoupling { mesh: welded, positions: &posed.positions, waves: &waves };
+        relax(&coupling, options.rate, &phase, &mut next);
+        take(Stage::Relax);
+        let state = LiveState { frame: 0, posed, waves, phase: next };
+        let faces = gather(model, welded, &Frame { state: &state, drawn: &drawn });
+        take(Stage::Gather);
         drop(faces);
+        next = std::mem::replace(&mut phase, state.phase);
     }
-    row.twin_ms = std::array::from_fn(|s| median(&mut lists[s]));
-    Ok(row)
+    PerStage::from_fn(|stage| measures.stage_ms_median(stage))
 }

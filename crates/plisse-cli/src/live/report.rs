@@ -4,20 +4,21 @@ use std::path::Path;
 
 use plisse::Result;
 use plisse::io::staged::OutputFolder;
-use plisse_gpu::STAGES;
+use plisse_live::live_model::LiveModel;
+use plisse_live::measures::{Measures, Summary};
 use plisse_live::model::Clip;
+use plisse_live::stage::Stage;
 use serde_json::json;
 
-use crate::animated::Animated;
 use crate::arguments::LiveArguments;
 use crate::outputs::write_json;
 use crate::terminal::print;
 
-/// What a run found.
+/// The figures of a run.
 #[derive(Default)]
 pub(super) struct Report {
     model: String,
-    unified_vertices: usize,
+    welded_vertices: usize,
     draw_vertices: usize,
     faces: usize,
     clip: Option<String>,
@@ -25,42 +26,25 @@ pub(super) struct Report {
     fps: f64,
     size: [usize; 2],
     pub(super) adapter: String,
-    pub(super) frames: usize,
-    pub(super) singular_vertices: usize,
-    /// Of each step that ran the stage (ms).
-    pub(super) stage_ms: [Vec<f64>; 5],
-    /// Pixels that show the model, of each frame.
-    pub(super) pixels: Vec<usize>,
-    /// Of each frame (waves, 0 to 1/2).
-    pub(super) phase_errors: Vec<f64>,
-    /// Share of the wrinkled vertices whose phase moved more than π/4, of each step.
-    pub(super) jumps: Vec<f64>,
+    pub(super) measures: Measures,
     pub(super) notes: Vec<String>,
     pub(super) seconds_total: f64,
 }
 
-fn mean(list: &[f64]) -> Option<f64> {
-    (!list.is_empty()).then(|| list.iter().sum::<f64>() / list.len() as f64)
-}
-
-fn largest(list: &[f64]) -> Option<f64> {
-    list.iter().copied().reduce(f64::max)
-}
-
 impl Report {
     pub(super) fn new(
-        animated: &Animated,
+        live: &LiveModel,
         clip: Option<&Clip>,
         arguments: &LiveArguments,
         size: [usize; 2],
     ) -> Self {
         let mut report = Self {
-            model: animated.model.name.clone(),
-            unified_vertices: animated.unified.count(),
-            draw_vertices: animated.model.draw.positions.len(),
-            faces: animated.model.faces.len(),
+            model: live.model.name.clone(),
+            welded_vertices: live.welded.count(),
+            draw_vertices: live.model.draw.positions.len(),
+            faces: live.model.faces.len(),
             clip: clip.map(|c| c.name.clone()),
-            wavelength_m: animated.wavelength_m,
+            wavelength_m: live.wavelength_m,
             fps: arguments.fps,
             size,
             ..Self::default()
@@ -71,41 +55,39 @@ impl Report {
         report
     }
 
-    /// Milliseconds of stage `s`: the median, which the first frames' preparations do not move.
-    fn stage(&self, s: usize) -> Option<f64> {
-        let mut sorted = self.stage_ms[s].clone();
-        sorted.sort_by(f64::total_cmp);
-        sorted.get(sorted.len() / 2).copied()
-    }
-
-    fn pixels_mean(&self) -> f64 {
-        self.pixels.iter().sum::<usize>() as f64 / self.pixels.len().max(1) as f64
-    }
-
     /// Writes report.json and lets all files appear.
     pub(super) fn write(&self, mut folder: OutputFolder, exported: Option<&str>) -> Result<()> {
-        let stages: serde_json::Map<String, serde_json::Value> = STAGES
-            .iter()
-            .enumerate()
-            .map(|(s, name)| ((*name).to_owned(), json!(self.stage(s))))
+        let measures = &self.measures;
+        let stages: serde_json::Map<String, serde_json::Value> = Stage::ALL
+            .into_iter()
+            .map(|stage| (stage.name().to_owned(), json!(measures.stage_ms_median(stage))))
             .collect();
+        let errors = Summary::of(&measures.phase_errors);
+        let jumps = Summary::of(&measures.phase_jump_shares);
         let report = json!({
             "plisse": env!("CARGO_PKG_VERSION"),
             "model": self.model,
             "adapter": self.adapter,
-            "unified_vertices": self.unified_vertices,
+            "welded_vertices": self.welded_vertices,
             "draw_vertices": self.draw_vertices,
             "faces": self.faces,
-            "singular_vertices": self.singular_vertices,
+            "singular_vertices": measures.singular_vertices,
             "clip": self.clip,
             "wavelength_m": self.wavelength_m,
-            "frames": self.frames,
+            "frames": measures.pixels.len(),
             "fps": self.fps,
             "size_pixels": self.size,
-            "pixels_mean": self.pixels_mean(),
+            "pixels_mean": measures.pixels_mean(),
             "stage_ms_median": stages,
-            "phase_error_waves": {"first": self.phase_errors.first(), "mean": mean(&self.phase_errors), "max": largest(&self.phase_errors)},
-            "phase_jump_share": {"mean": mean(&self.jumps), "max": largest(&self.jumps)},
+            "phase_error_waves": {
+                "first": measures.phase_errors.first(),
+                "mean": errors.map(|s| s.mean),
+                "max": errors.map(|s| s.max),
+            },
+            "phase_jump_share": {
+                "mean": jumps.map(|s| s.mean),
+                "max": jumps.map(|s| s.max),
+            },
             "export": exported,
             "notes": self.notes,
             "seconds_total": self.seconds_total,
@@ -122,8 +104,8 @@ impl Report {
         row(
             "mesh",
             format!(
-                "{} unified vertices ({} drawn), {} faces",
-                self.unified_vertices, self.draw_vertices, self.faces
+                "{} welded vertices ({} drawn), {} faces",
+                self.welded_vertices, self.draw_vertices, self.faces
             ),
         );
         if let Some(clip) = &self.clip {
@@ -133,14 +115,16 @@ impl Report {
             "frames",
             format!(
                 "{} at {} a second, {:.0} pixels of the model on each",
-                self.frames,
+                self.measures.pixels.len(),
                 self.fps,
-                self.pixels_mean()
+                self.measures.pixels_mean()
             ),
         );
-        let stages: Vec<String> = (0..STAGES.len())
-            .filter_map(|s| self.stage(s).map(|ms| format!("{} {ms:.3}", STAGES[s])))
-            .collect();
+        let median = |stage: Stage| {
+            let ms = self.measures.stage_ms_median(stage)?;
+            Some(format!("{} {ms:.3}", stage.name()))
+        };
+        let stages: Vec<String> = Stage::ALL.into_iter().filter_map(median).collect();
         row(
             "stages (ms)",
             if stages.is_empty() {
@@ -149,16 +133,16 @@ impl Report {
                 stages.join(", ")
             },
         );
-        if let (Some(mean), Some(most)) = (mean(&self.phase_errors), largest(&self.phase_errors)) {
-            row("phase error (waves)", format!("mean {mean:.4}, max {most:.4}"));
+        if let Some(Summary { mean, max }) = Summary::of(&self.measures.phase_errors) {
+            row("phase error (waves)", format!("mean {mean:.4}, max {max:.4}"));
         }
-        if let (Some(mean), Some(most)) = (mean(&self.jumps), largest(&self.jumps)) {
+        if let Some(Summary { mean, max }) = Summary::of(&self.measures.phase_jump_shares) {
             row(
                 "phase jumps (%)",
                 format!(
                     "mean {:.3}, max {:.3} of the wrinkled vertices",
                     100.0 * mean,
-                    100.0 * most
+                    100.0 * max
                 ),
             );
         }

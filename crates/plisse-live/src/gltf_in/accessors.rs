@@ -6,12 +6,12 @@ use plisse::{Error, Result};
 
 use crate::Vec3;
 
-/// Most numbers one accessor may hold.
+/// Largest number of values in one accessor; more would be a broken file.
 const MOST: usize = 1 << 28;
 
 /// The buffers of a file, to be read by its accessors.
 pub(super) struct Accessors<'a> {
-    /// What errors name.
+    /// The name of the file in errors.
     pub(super) place: &'a str,
     pub(super) buffers: Vec<Vec<u8>>,
 }
@@ -63,7 +63,7 @@ impl Accessors<'_> {
         }
     }
 
-    /// All numbers of `accessor` as they are stored, with what a sparse one puts in other places.
+    /// All numbers of `accessor` as they are stored, with those of its sparse entries.
     pub(super) fn raw(&self, accessor: &Accessor<'_>, what: &str) -> Result<Vec<f64>> {
         let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
         let (data_type, size) = (accessor.data_type(), accessor.size());
@@ -80,54 +80,62 @@ impl Accessors<'_> {
             }
             None => vec![0.0; count * width],
         };
-        if let Some(sparse) = accessor.sparse() {
-            let (indices, others) = (sparse.indices(), sparse.values());
-            let index_type = match indices.index_type() {
-                IndexType::U8 => DataType::U8,
-                IndexType::U16 => DataType::U16,
-                IndexType::U32 => DataType::U32,
-            };
-            if sparse.count() > count {
+        if accessor.sparse().is_some() {
+            self.put_sparse(accessor, &mut values, what)?;
+        }
+        Ok(values)
+    }
+
+    /// Puts the entries of a sparse accessor into `values`, the numbers under it.
+    fn put_sparse(&self, accessor: &Accessor<'_>, values: &mut [f64], what: &str) -> Result<()> {
+        let Some(sparse) = accessor.sparse() else { return Ok(()) };
+        let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
+        let (data_type, size) = (accessor.data_type(), accessor.size());
+        let (indices, others) = (sparse.indices(), sparse.values());
+        let index_type = match indices.index_type() {
+            IndexType::U8 => DataType::U8,
+            IndexType::U16 => DataType::U16,
+            IndexType::U32 => DataType::U32,
+        };
+        if sparse.count() > count {
+            return bad(
+                self.place,
+                format!(
+                    "{what}: {} sparse entries for {count} are too many; export the file again",
+                    sparse.count()
+                ),
+            );
+        }
+        let shape = [sparse.count(), 1];
+        let places = self.stored(
+            &indices.view(),
+            indices.offset(),
+            bytes_of(index_type),
+            shape,
+            index_type,
+            what,
+        )?;
+        let others = self.stored(
+            &others.view(),
+            others.offset(),
+            size,
+            [sparse.count(), width],
+            data_type,
+            what,
+        )?;
+        for (i, &place) in places.iter().enumerate() {
+            let Some(target) = values.get_mut(place as usize * width..(place as usize + 1) * width)
+            else {
                 return bad(
                     self.place,
                     format!(
-                        "{what}: {} sparse entries for {count} are too many; export the file again",
-                        sparse.count()
+                        "{what}: a sparse entry names {place} of {count}; export the file again"
                     ),
                 );
-            }
-            let shape = [sparse.count(), 1];
-            let places = self.stored(
-                &indices.view(),
-                indices.offset(),
-                bytes_of(index_type),
-                shape,
-                index_type,
-                what,
-            )?;
-            let others = self.stored(
-                &others.view(),
-                others.offset(),
-                size,
-                [sparse.count(), width],
-                data_type,
-                what,
-            )?;
-            for (i, &place) in places.iter().enumerate() {
-                let Some(target) =
-                    values.get_mut(place as usize * width..(place as usize + 1) * width)
-                else {
-                    return bad(
-                        self.place,
-                        format!(
-                            "{what}: a sparse entry names {place} of {count}; export the file again"
-                        ),
-                    );
-                };
-                target.copy_from_slice(&others[i * width..(i + 1) * width]);
-            }
+            };
+            target.copy_from_slice(&others[i * width..(i + 1) * width]);
         }
-        Ok(values)
+        Ok(())
     }
 
     /// `[count][width]` numbers of `data_type` in `view` from `offset` (bytes) on, elements

@@ -1,38 +1,38 @@
 //! Models from glTF 2.0 files (.glb, or .gltf with its buffers beside it or inside).
 //!
-//! Broken files end in one sentence. What is left out: points and lines, Draco and meshopt
-//! compression, influences beyond the eighth, texture coordinates beyond the first set and their
-//! transforms, what clips do to anything but nodes.
+//! Broken files end in one sentence. Not read are: points and lines, Draco and meshopt compression,
+//! influences beyond the eighth, texture coordinates beyond the first set and their transforms,
+//! animation of anything but nodes.
 //!
-//! The red channel of vertex colours (the first set) is taken as share of the wavelength, see
-//! [`crate::wavelength`]; white is all of it.
+//! The red channel of the vertex colours (the first set) is the share of the wavelength, see
+//! [`mod@crate::wavelength`]; white is all of it.
 //!
 //! A mesh that hangs on a node without a skin counts as skinned to that node alone. Bind-space
-//! positions are scaled (uniformly, by the median of edge lengths) to what the nodes' own pose
-//! gives: files whose skeleton carries a change of unit would seem to be crushed otherwise.
+//! positions are scaled (uniformly, by the median of edge lengths) to the size that the nodes' own
+//! pose gives: files whose skeleton carries a change of unit would seem to be compressed otherwise.
 
 mod accessors;
+mod primitive;
 mod trim;
 mod uri;
 
 use std::borrow::Cow;
 use std::fmt::Display;
+use std::ops::Range;
 use std::path::Path;
 
 use gltf::animation::Property;
-use gltf::mesh::{Mode, Primitive, Semantic};
 use nalgebra::UnitQuaternion;
 use plisse::{Error, Result};
 
 use self::accessors::Accessors;
+use self::primitive::Instance;
 use self::trim::{Image, trim};
 use self::uri::{load, short};
-use crate::model::{
-    Channel, Clip, INFLUENCES, Interpolation, Model, Morph, Node, Target, order_nodes,
-};
+use crate::model::{Channel, Clip, Interpolation, Model, Morph, Node, Target, order_nodes};
 use crate::skin::{pose, skin};
-use crate::unify::{Unified, fill_normals};
-use crate::{Mat4, Vec2, Vec3};
+use crate::weld::{WeldedMesh, fill_normals};
+use crate::{Mat4, Vec3};
 
 /// Reads the model in the file `path`.
 ///
@@ -46,23 +46,12 @@ pub fn read(path: &Path) -> Result<Model> {
 /// The model in `bytes`; files it names are looked for in `folder`.
 ///
 /// # Errors
-/// [`Error::Mesh`] at `place` for whatever makes the file unusable: it is truncated or no glTF, a buffer is missing or too short, a joint or
-/// vertex index is out of range, a number is no number, nodes form a ring, nothing has positions
-/// and faces.
+/// [`Error::Mesh`] at `place` for an unusable file: it is truncated or no glTF, a buffer is missing
+/// or too short, a joint or vertex index is out of range, a number is no number, nodes form a ring,
+/// nothing has positions and faces.
 pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
     let bad = |message: String| Error::mesh(place, message);
-    if bytes.starts_with(b"glTF") {
-        let length =
-            bytes.get(8..12).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
-        if length < 20 || length > bytes.len() {
-            let message = format!(
-                "the GLB says it has {length} bytes but has {}; it was cut off, so export or copy \
-                 it again",
-                bytes.len()
-            );
-            return Err(bad(message));
-        }
-    }
+    check_length(bytes).map_err(bad)?;
     let invalid =
         |e: &dyn Display| bad(format!("this is no valid glTF 2.0 file ({e}); export it again"));
     let (text, blob) = if bytes.starts_with(b"glTF") {
@@ -75,51 +64,19 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     let image = trim(&mut root).map_err(bad)?;
     let root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
     let file = gltf::Document::from_json(root).map_err(|e| invalid(&e))?;
-    let mut buffers = Vec::new();
-    for buffer in file.buffers() {
-        let n = buffer.index();
-        let data = match buffer.source() {
-            gltf::buffer::Source::Bin => blob
-                .as_ref()
-                .ok_or_else(|| bad(format!("buffer {n} is missing; export it again as GLB")))?
-                .to_vec(),
-            gltf::buffer::Source::Uri(uri) => load(uri, folder).ok_or_else(|| {
-                bad(format!("buffer {n} ({}) cannot be read; put it beside the file", short(uri)))
-            })?,
-        };
-        if data.len() < buffer.length() {
-            let message = format!(
-                "buffer {n} has {} bytes instead of {}; export the file again",
-                data.len(),
-                buffer.length()
-            );
-            return Err(bad(message));
-        }
-        buffers.push(data);
-    }
+    let buffers = read_buffers(&file, blob.as_deref(), folder).map_err(bad)?;
     let mut reader = Reader {
         accessors: Accessors { place, buffers },
         model: Model { name: place.to_owned(), ..Model::default() },
-        target_of_node: Vec::new(),
+        targets_of_node: Vec::new(),
     };
     reader.nodes(&file)?;
-    let mut instances = Vec::new();
+    let mut skinned = Vec::new();
     for node in file.nodes().filter(|n| n.mesh().is_some()) {
-        let first = [
-            reader.model.draw.positions.len(),
-            reader.model.palette_nodes.len(),
-            reader.model.faces.len(),
-        ];
+        let first = Counts::of(&reader.model);
         reader.instance(&node)?;
         if node.skin().is_some() {
-            instances.push((
-                first,
-                [
-                    reader.model.draw.positions.len(),
-                    reader.model.palette_nodes.len(),
-                    reader.model.faces.len(),
-                ],
-            ));
+            skinned.push([first, Counts::of(&reader.model)]);
         }
     }
     if reader.model.faces.is_empty() {
@@ -141,19 +98,89 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     });
     let mut model = reader.model;
     model.base_colour = image;
-    for (first, end) in instances {
+    for [first, end] in skinned {
         scale_rest(&mut model, first, end);
     }
-    let unified = Unified::new(&model, 1e-5);
-    fill_normals(&mut model, &unified);
+    let welded = WeldedMesh::new(&model, 1e-5);
+    fill_normals(&mut model, &welded);
     Ok(model)
+}
+
+/// Checks that a GLB is as long as it says.
+///
+/// # Errors
+/// A sentence without its place, if it is not.
+fn check_length(bytes: &[u8]) -> std::result::Result<(), String> {
+    if bytes.starts_with(b"glTF") {
+        let length =
+            bytes.get(8..12).map_or(0, |b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+        if length < 20 || length > bytes.len() {
+            let message = format!(
+                "the GLB says it has {length} bytes but has {}; it was cut off, so export or copy \
+                 it again",
+                bytes.len()
+            );
+            return Err(message);
+        }
+    }
+    Ok(())
+}
+
+/// The bytes of all buffers of `file`.
+///
+/// # Errors
+/// A sentence without its place, for a buffer that is missing or too short.
+fn read_buffers(
+    file: &gltf::Document,
+    blob: Option<&[u8]>,
+    folder: Option<&Path>,
+) -> std::result::Result<Vec<Vec<u8>>, String> {
+    let mut buffers = Vec::new();
+    for buffer in file.buffers() {
+        let n = buffer.index();
+        let data = match buffer.source() {
+            gltf::buffer::Source::Bin => blob
+                .ok_or_else(|| format!("buffer {n} is missing; export it again as GLB"))?
+                .to_vec(),
+            gltf::buffer::Source::Uri(uri) => load(uri, folder).ok_or_else(|| {
+                format!("buffer {n} ({}) cannot be read; put it beside the file", short(uri))
+            })?,
+        };
+        if data.len() < buffer.length() {
+            return Err(format!(
+                "buffer {n} has {} bytes instead of {}; export the file again",
+                data.len(),
+                buffer.length()
+            ));
+        }
+        buffers.push(data);
+    }
+    Ok(buffers)
+}
+
+/// Numbers of draw vertices, palette entries and faces that were read.
+#[derive(Clone, Copy)]
+struct Counts {
+    vertices: usize,
+    palette: usize,
+    faces: usize,
+}
+
+impl Counts {
+    fn of(model: &Model) -> Self {
+        Self {
+            vertices: model.draw.positions.len(),
+            palette: model.palette_nodes.len(),
+            faces: model.faces.len(),
+        }
+    }
 }
 
 struct Reader<'a> {
     accessors: Accessors<'a>,
     model: Model,
-    /// `[N]` first morph target and their count of the mesh on each node.
-    target_of_node: Vec<(usize, usize)>,
+    /// `[N]` morph targets of the mesh on each node.
+    targets_of_node: Vec<Range<usize>>,
 }
 
 impl Reader<'_> {
@@ -188,7 +215,7 @@ impl Reader<'_> {
                 }
             }
         }
-        self.target_of_node = vec![(0, 0); self.model.nodes.len()];
+        self.targets_of_node = vec![0..0; self.model.nodes.len()];
         match order_nodes(&self.model.nodes) {
             Some(order) => self.model.node_order = order,
             None => return self.bad(
@@ -202,52 +229,20 @@ impl Reader<'_> {
     fn instance(&mut self, node: &gltf::Node<'_>) -> Result<()> {
         let mesh = node.mesh().expect("only nodes with meshes are asked");
         let first_joint = self.model.palette_nodes.len();
-        let mut own = Mat4::identity();
-        let joint_count = if let Some(skin) = node.skin() {
-            let joints: Vec<usize> = skin.joints().map(|j| j.index()).collect();
-            let mut binds = vec![Mat4::identity(); joints.len()];
-            if let Some(accessor) = skin.inverse_bind_matrices() {
-                let values = self.accessors.numbers(&accessor, 16, "inverse bind matrices")?;
-                if values.len() < 16 * joints.len() {
-                    return self.bad(format!(
-                        "skin {} has fewer inverse bind matrices than joints; \
-                        export the file again",
-                        skin.index()
-                    ));
-                }
-                binds = values
-                    .chunks_exact(16)
-                    .take(joints.len())
-                    .map(Mat4::from_column_slice)
-                    .collect();
+        let own = match node.skin() {
+            Some(skin) => {
+                self.skin(&skin)?;
+                Mat4::identity()
             }
-            self.model.palette_nodes.extend(&joints);
-            self.model.inverse_binds.extend(binds);
-            joints.len()
-        } else {
-            let mut at = Some(node.index());
-            while let Some(n) = at {
-                let node = &self.model.nodes[n];
-                own = Mat4::new_translation(&node.translation)
-                    * node.rotation.to_homogeneous()
-                    * Mat4::new_nonuniform_scaling(&node.scale)
-                    * own;
-                at = node.parent;
-            }
-            let back = own.try_inverse().unwrap_or_else(|| {
-                own = Mat4::identity();
-                own
-            });
-            self.model.palette_nodes.push(node.index());
-            self.model.inverse_binds.push(back);
-            1
+            None => self.own_joint(node.index()),
         };
+        let joint_count = self.model.palette_nodes.len() - first_joint;
         if first_joint + joint_count > usize::from(u16::MAX) {
             return self.bad("the file has more than 65535 joints in all; split it");
         }
         let targets = mesh.primitives().map(|p| p.morph_targets().count()).max().unwrap_or(0);
         let first_target = self.model.draw.morphs.len();
-        self.target_of_node[node.index()] = (first_target, targets);
+        self.targets_of_node[node.index()] = first_target..first_target + targets;
         let weights = node.weights().or(mesh.weights()).unwrap_or(&[]);
         for t in 0..targets {
             self.model.draw.morphs.push(Morph::default());
@@ -255,157 +250,58 @@ impl Reader<'_> {
                 .morph_weights
                 .push(weights.get(t).copied().filter(|w| w.is_finite()).unwrap_or(0.0));
         }
+        let is_skinned = node.skin().is_some();
+        let instance = Instance { is_skinned, first_joint, joint_count, first_target, own };
         for primitive in mesh.primitives() {
             let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-            self.primitive(
-                &primitive,
-                &place,
-                node.skin().is_some(),
-                (first_joint, joint_count),
-                first_target,
-                &own,
-            )?;
+            self.primitive(&primitive, &place, &instance)?;
         }
         Ok(())
     }
 
-    fn primitive(
-        &mut self,
-        primitive: &Primitive<'_>,
-        place: &str,
-        skinned: bool,
-        (first_joint, joint_count): (usize, usize),
-        first_target: usize,
-        own: &Mat4,
-    ) -> Result<()> {
-        let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
-        let base = self.model.draw.positions.len();
-        let positions = self.accessors.vectors(&accessor, &format!("{place}, positions"))?;
-        let count = positions.len();
-        let indices: Vec<u32> = match primitive.indices() {
-            Some(accessor) => self
-                .accessors
-                .raw(&accessor, &format!("{place}, indices"))?
-                .iter()
-                .map(|&x| x as u32)
-                .collect(),
-            None => (0..count as u32).collect(),
-        };
-        if let Some(&i) = indices.iter().find(|&&i| i as usize >= count) {
-            return self.bad(format!(
-                "{place} names vertex {i}, but there are only {count}; export the file again"
-            ));
-        }
-        let triangles: Vec<[u32; 3]> = match primitive.mode() {
-            Mode::Triangles => indices.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-            Mode::TriangleStrip => indices
-                .windows(3)
-                .enumerate()
-                .map(|(i, c)| if i % 2 == 0 { [c[0], c[1], c[2]] } else { [c[1], c[0], c[2]] })
-                .collect(),
-            Mode::TriangleFan => indices
-                .get(1..)
-                .unwrap_or(&[])
-                .windows(2)
-                .map(|c| [indices[0], c[0], c[1]])
-                .collect(),
-            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
-        };
-        let linear = own.fixed_view::<3, 3>(0, 0).into_owned();
-        let normal_map = linear.try_inverse().map_or(linear, |i| i.transpose());
-        let mut normals = match primitive.get(&Semantic::Normals) {
-            Some(accessor) => self.accessors.vectors(&accessor, &format!("{place}, normals"))?,
-            None => Vec::new(),
-        };
-        normals.resize(count, Vec3::zeros());
-        let mut uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(0)) {
-            Some(accessor) => self
-                .accessors
-                .numbers(&accessor, 2, &format!("{place}, texture coordinates"))?
-                .chunks_exact(2)
-                .map(Vec2::from_column_slice)
-                .collect(),
-            None => Vec::new(),
-        };
-        uvs.resize(count, Vec2::zeros());
-        if let Some(accessor) = primitive.get(&Semantic::Colors(0)) {
-            let width = accessor.dimensions().multiplicity().clamp(3, 4);
-            let colours = self.accessors.numbers(&accessor, width, &format!("{place}, colours"))?;
-            let shares = self.model.wavelength_share.get_or_insert_default();
-            // What came before without colours has the whole wavelength, as has what comes after.
-            shares.resize(base, 1.0);
-            shares.extend(colours.chunks_exact(width).take(count).map(|c| c[0].clamp(0.0, 1.0)));
-        }
-        let (mut joints, mut weights) =
-            (vec![[first_joint as u16; INFLUENCES]; count], vec![[0f32; INFLUENCES]; count]);
-        for set in 0..if skinned { INFLUENCES / 4 } else { 0 } {
-            let (Some(j), Some(w)) = (
-                primitive.get(&Semantic::Joints(set as u32)),
-                primitive.get(&Semantic::Weights(set as u32)),
-            ) else {
-                break;
-            };
-            let j = self.accessors.raw(&j, &format!("{place}, joints"))?;
-            let w = self.accessors.numbers(&w, 4, &format!("{place}, weights"))?;
-            if j.len() < 4 * count || w.len() < 4 * count {
+    /// Adds the joints of `skin` to the palette.
+    fn skin(&mut self, skin: &gltf::Skin<'_>) -> Result<()> {
+        let joints: Vec<usize> = skin.joints().map(|j| j.index()).collect();
+        let mut binds = vec![Mat4::identity(); joints.len()];
+        if let Some(accessor) = skin.inverse_bind_matrices() {
+            let values = self.accessors.numbers(&accessor, 16, "inverse bind matrices")?;
+            if values.len() < 16 * joints.len() {
                 return self.bad(format!(
-                    "{place} has fewer joints or weights than vertices; export the file again"
+                    "skin {} has fewer inverse bind matrices than joints; \
+                    export the file again",
+                    skin.index()
                 ));
             }
-            for v in 0..count {
-                for k in 0..4 {
-                    let (joint, weight) = (j[4 * v + k] as usize, w[4 * v + k].max(0.0));
-                    if weight > 0.0 {
-                        if joint >= joint_count {
-                            return self.bad(format!(
-                                "{place}, vertex {v} hangs on joint {joint}, but the \
-                                    skin has {joint_count}; bind it again"
-                            ));
-                        }
-                        joints[v][4 * set + k] = (first_joint + joint) as u16;
-                        weights[v][4 * set + k] = weight;
-                    }
-                }
-            }
+            binds =
+                values.chunks_exact(16).take(joints.len()).map(Mat4::from_column_slice).collect();
         }
-        for w in &mut weights {
-            let sum: f32 = w.iter().sum();
-            if sum > 0.0 && sum.is_finite() {
-                w.iter_mut().for_each(|x| *x /= sum);
-            } else {
-                *w = [0.0; INFLUENCES];
-                w[0] = 1.0;
-            }
-        }
-        for (t, target) in primitive.morph_targets().enumerate() {
-            let name = format!("{place}, morph target {t}");
-            let mut shifts = [Vec::new(), Vec::new()];
-            for (k, accessor) in [target.positions(), target.normals()].into_iter().enumerate() {
-                if let Some(accessor) = accessor {
-                    shifts[k] = self.accessors.vectors(&accessor, &name)?;
-                }
-                shifts[k].resize(count, Vec3::zeros());
-            }
-            let morph = &mut self.model.draw.morphs[first_target + t];
-            morph.positions.resize(base, Vec3::zeros());
-            morph.normals.resize(base, Vec3::zeros());
-            morph.positions.extend(shifts[0].iter().map(|x| linear * x));
-            morph.normals.extend(shifts[1].iter().map(|x| normal_map * x));
-        }
-        let draw = &mut self.model.draw;
-        draw.positions.extend(positions.iter().map(|x| own.transform_point(&(*x).into()).coords));
-        draw.normals.extend(
-            normals
-                .iter()
-                .map(|n| (normal_map * n).try_normalize(1e-20).unwrap_or_else(Vec3::zeros)),
-        );
-        draw.joints.extend(joints);
-        draw.weights.extend(weights);
-        self.model.uvs.extend(uvs);
-        self.model.faces.extend(triangles.iter().map(|f| f.map(|v| v + base as u32)));
+        self.model.palette_nodes.extend(&joints);
+        self.model.inverse_binds.extend(binds);
         Ok(())
     }
 
+    /// Adds the node to the palette as its own joint; its map to the world.
+    fn own_joint(&mut self, node: usize) -> Mat4 {
+        let mut own = Mat4::identity();
+        let mut at = Some(node);
+        while let Some(n) = at {
+            let node = &self.model.nodes[n];
+            own = Mat4::new_translation(&node.translation)
+                * node.rotation.to_homogeneous()
+                * Mat4::new_nonuniform_scaling(&node.scale)
+                * own;
+            at = node.parent;
+        }
+        let back = own.try_inverse().unwrap_or_else(|| {
+            own = Mat4::identity();
+            own
+        });
+        self.model.palette_nodes.push(node);
+        self.model.inverse_binds.push(back);
+        own
+    }
+
+    /// Pads the lists that only some primitives lengthened.
     fn pad(&mut self) {
         let count = self.model.draw.positions.len();
         for morph in &mut self.model.draw.morphs {
@@ -429,11 +325,11 @@ impl Reader<'_> {
                     Property::Rotation => (Target::Rotation(node), 4),
                     Property::Scale => (Target::Scale(node), 3),
                     Property::MorphTargetWeights => {
-                        let (first, count) = self.target_of_node[node];
-                        if count == 0 {
+                        let targets = self.targets_of_node[node].clone();
+                        if targets.is_empty() {
                             continue;
                         }
-                        (Target::Weights(first, count), count)
+                        (Target::Weights(targets.start, targets.len()), targets.len())
                     }
                 };
                 let sampler = channel.sampler();
@@ -463,12 +359,12 @@ impl Reader<'_> {
     }
 }
 
-/// Scales the rest positions of one skinned instance (its ranges of vertices, palette and faces) to
-/// what the nodes' pose gives.
-fn scale_rest(model: &mut Model, first: [usize; 3], end: [usize; 3]) {
+/// Scales the rest positions of one skinned instance to the size that the nodes' pose gives. The
+/// instance reaches from the counts `first` to the counts `end`.
+fn scale_rest(model: &mut Model, first: Counts, end: Counts) {
     let posed = skin(&model.draw, &pose(model, None, 0.0)).positions;
     let mut ratios = Vec::new();
-    for face in &model.faces[first[2]..end[2]] {
+    for face in &model.faces[first.faces..end.faces] {
         for k in 0..3 {
             let (i, j) = (face[k] as usize, face[(k + 1) % 3] as usize);
             let rest = (model.draw.positions[i] - model.draw.positions[j]).norm();
@@ -485,12 +381,12 @@ fn scale_rest(model: &mut Model, first: [usize; 3], end: [usize; 3]) {
     if !(scale.is_finite() && scale > 0.0) || (scale - 1.0).abs() < 0.2 {
         return;
     }
-    let vertices = first[0]..end[0];
+    let vertices = first.vertices..end.vertices;
     model.draw.positions[vertices.clone()].iter_mut().for_each(|x| *x *= scale);
     for morph in &mut model.draw.morphs {
         morph.positions[vertices.clone()].iter_mut().for_each(|x| *x *= scale);
     }
-    model.inverse_binds[first[1]..end[1]]
+    model.inverse_binds[first.palette..end.palette]
         .iter_mut()
         .for_each(|m| *m *= Mat4::new_scaling(1.0 / scale));
 }

@@ -1,5 +1,5 @@
-//! Takes out of a glTF file what this reader has no use for, before the rest is checked: an unknown
-//! attribute, a material's extension or a camera must not make a model unusable.
+//! Removes from a glTF file all that this reader has no use for, before the rest is checked: an
+//! unknown attribute, a material's extension or a camera must not make a model unusable.
 
 use serde_json::{Value, json};
 
@@ -20,7 +20,7 @@ const ATTRIBUTES: [&str; 8] = [
 /// Properties of nodes that clips may move.
 const PROPERTIES: [&str; 4] = ["translation", "rotation", "scale", "weights"];
 
-/// Where the base colour's image lies.
+/// Place of the base colour's image.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Image {
     /// In this buffer view.
@@ -29,8 +29,8 @@ pub(super) enum Image {
     Uri(String),
 }
 
-/// Leaves in `root`, the JSON of a file, only what is read; returns the image of the first material
-/// that has one. What is wrong with that is left to be found.
+/// Removes from `root`, the JSON of a file, all that is not read; returns the image of the first
+/// material that has one, unchecked.
 ///
 /// # Errors
 /// A sentence without its place, if the geometry is compressed or a clip moves a node that is not
@@ -82,6 +82,19 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
             accessor.insert("max".to_owned(), json!([0, 0, 0]));
         }
     }
+    trim_animations(root, nodes)?;
+    for view in entries(root, "bufferViews") {
+        keep(view, &["buffer", "byteOffset", "byteLength", "byteStride"]);
+    }
+    keep(
+        root,
+        &["asset", "accessors", "animations", "buffers", "bufferViews", "meshes", "nodes", "skins"],
+    );
+    Ok(image)
+}
+
+/// Removes the channels that move anything but a property of one of the `nodes` nodes.
+fn trim_animations(root: &mut Value, nodes: usize) -> Result<(), String> {
     for (a, animation) in entries(root, "animations").enumerate() {
         let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
             continue;
@@ -98,14 +111,7 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
             ));
         }
     }
-    for view in entries(root, "bufferViews") {
-        keep(view, &["buffer", "byteOffset", "byteLength", "byteStride"]);
-    }
-    keep(
-        root,
-        &["asset", "accessors", "animations", "buffers", "bufferViews", "meshes", "nodes", "skins"],
-    );
-    Ok(image)
+    Ok(())
 }
 
 /// The image of the first material with a base colour image, of either kind of material.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use plisse::{Error, Result};
+use plisse_live::stage::Stage;
 use plisse_live::{Vec2, models};
 
 use crate::commands::Command;
@@ -118,8 +119,9 @@ impl Bench {
                 std::thread::sleep(Duration::from_millis(5));
             }
             if let Some(frame) = &self.studio.viewport.frame {
-                stages_ms.push(frame.stage_ms[..4].iter().sum::<f32>());
-                render_ms.push(frame.stage_ms[4]);
+                let others = frame.stage_ms.iter().filter(|(stage, _)| *stage != Stage::Render);
+                stages_ms.push(others.map(|(_, ms)| ms).sum::<f32>());
+                render_ms.push(frame.stage_ms[Stage::Render]);
             }
         }
         let begun = Instant::now();

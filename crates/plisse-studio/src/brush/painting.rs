@@ -5,7 +5,7 @@
 use nalgebra::{Matrix3, Rotation3};
 use plisse::mesh::reach::Reach;
 use plisse_live::Vec3;
-use plisse_live::unify::Unified;
+use plisse_live::weld::WeldedMesh;
 
 use super::pick::{Hit, nearest_among};
 use super::reach::VertexFaces;
@@ -23,7 +23,7 @@ const MIRROR_TOLERANCE: f32 = 0.02;
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The mesh.
-    pub unified: &'a Unified,
+    pub unified: &'a WeldedMesh,
     /// The faces around its vertices.
     pub vertex_faces: &'a VertexFaces,
     /// `[U]` posed positions (m).

@@ -162,12 +162,12 @@ fn nearest_in([a, b, c]: [Vec3; 3], p: &Vec3) -> [f32; 2] {
 mod tests {
     use super::*;
     use plisse_live::models;
-    use plisse_live::unify::Unified;
+    use plisse_live::weld::WeldedMesh;
 
     #[test]
     fn a_ray_through_a_point_meets_it() {
         let model = models::sleeve();
-        let unified = Unified::new(&model, 1e-5);
+        let unified = WeldedMesh::new(&model, 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
         let camera = Camera::fit(x.iter(), 0.4, 0.2, 1.3);
         let mut met = 0;
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn faces_between_two_rays_are_all_that_rays_between_them_meet() {
-        let unified = Unified::new(&models::sleeve(), 1e-5);
+        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
         let camera = Camera::fit(x.iter(), 0.4, 0.2, 1.3);
         let ray = |t: f32| Ray::through(&camera, Vec2::new(0.2 + 0.6 * t, 0.4 + 0.25 * t)).unwrap();

@@ -56,11 +56,11 @@ mod tests {
     use super::*;
     use crate::brush::pick::nearest;
     use plisse_live::models;
-    use plisse_live::unify::Unified;
+    use plisse_live::weld::WeldedMesh;
 
     #[test]
     fn on_a_flat_square_distances_are_straight() {
-        let unified = Unified::new(&models::square().unwrap(), 1e-5);
+        let unified = WeldedMesh::new(&models::square().unwrap(), 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
         let surface = VertexFaces::new(faces, unified.count());
         for place in [Vec3::new(0.31, 0.42, 0.0), Vec3::new(0.02, 0.97, 0.0), x[5]] {
@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn around_a_sleeve_distances_follow_the_cloth_and_not_the_air() {
-        let unified = Unified::new(&models::sleeve(), 1e-5);
+        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
         let (x, faces) = (&unified.vertices.positions, &unified.faces);
         let surface = VertexFaces::new(faces, unified.count());
         let from = nearest(x, faces, &Vec3::new(0.3, 0.06, 0.0)).unwrap();

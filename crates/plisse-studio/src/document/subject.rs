@@ -7,7 +7,7 @@ use std::sync::Arc;
 use plisse::scene::{BuiltScene, Scene, build, build_growth, parse};
 use plisse::{Error, Result};
 use plisse_live::model::{Model, Vertices};
-use plisse_live::unify::{Unified, fill_normals, vertex_normals};
+use plisse_live::weld::{WeldedMesh, fill_normals, vertex_normals};
 use plisse_live::{Vec2, Vec3, models, wavelength};
 
 /// Distance under which vertices are welded, as a share of the model's size.
@@ -53,7 +53,7 @@ pub struct Subject {
     /// The model as it is drawn.
     pub model: Model,
     /// The mesh that is simulated and painted.
-    pub unified: Unified,
+    pub unified: WeldedMesh,
     /// The scene that it came from, if any.
     pub scene: Option<SceneText>,
     /// The reader's notes on what it ignored or repaired, one sentence each.
@@ -80,7 +80,7 @@ impl Subject {
 
     /// The subject of a model.
     pub fn new(source: Source, mut model: Model) -> Self {
-        let unified = Unified::new(&model, TOLERANCE);
+        let unified = WeldedMesh::new(&model, TOLERANCE);
         fill_normals(&mut model, &unified);
         let size_m = diagonal_m(&unified);
         Self { source, model, unified, scene: None, notes: Vec::new(), size_m }
@@ -111,7 +111,7 @@ impl Subject {
     }
 }
 
-fn diagonal_m(unified: &Unified) -> f32 {
+fn diagonal_m(unified: &WeldedMesh) -> f32 {
     let [low, high] = bounds(&unified.vertices.positions);
     (high - low).norm().max(1e-6)
 }
@@ -147,7 +147,7 @@ pub fn unshown(p: &Vec3) -> plisse::mesh::Vec3 {
 
 /// The start of a scene as a model, with the scene's own vertices: panels that touch are not
 /// welded.
-fn start_of(built: &BuiltScene) -> (Model, Unified) {
+fn start_of(built: &BuiltScene) -> (Model, WeldedMesh) {
     let positions: Vec<Vec3> = built.start.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> =
         built.sheet.topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
@@ -163,7 +163,7 @@ fn start_of(built: &BuiltScene) -> (Model, Unified) {
 }
 
 /// The unified mesh of a model whose vertices are not welded.
-pub fn one_to_one(model: &Model) -> Unified {
+pub fn one_to_one(model: &Model) -> WeldedMesh {
     let count = model.draw.positions.len();
     let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(6 * model.faces.len());
     for face in &model.faces {
@@ -177,7 +177,7 @@ pub fn one_to_one(model: &Model) -> Unified {
     let mut starts = vec![0u32; count + 1];
     pairs.iter().for_each(|pair| starts[pair[0] as usize + 1] += 1);
     (0..count).for_each(|v| starts[v + 1] += starts[v]);
-    Unified {
+    WeldedMesh {
         vertices: Vertices { ..model.draw.clone() },
         vertex_of_draw: (0..count as u32).collect(),
         faces: model.faces.clone(),

@@ -124,7 +124,7 @@ pub(crate) fn status(ui: &mut Ui, document: &Document, viewport: &Viewport, shel
         ui.label(format!("{} vertices, {} faces", unified.count(), unified.faces.len()));
         ui.separator();
         if let Some(frame) = &viewport.frame {
-            let total: f32 = frame.stage_ms.iter().sum();
+            let total: f32 = frame.stage_ms.values().iter().sum();
             ui.label(format!("picture {total:.0} ms"))
                 .on_hover_text("time of the stages and of drawing, in the render thread (ms)");
             ui.separator();

@@ -1,6 +1,7 @@
 //! Plots: bars of milliseconds, and energy and residual over iterations.
 
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use plisse_live::stage::PerStage;
 
 use crate::work::job::{Progress, SolverStep};
 
@@ -8,17 +9,16 @@ const BLUE: Color32 = Color32::from_rgb(46, 104, 178);
 const RED: Color32 = Color32::from_rgb(186, 66, 52);
 
 /// A bar for each stage.
-pub fn stages(ui: &mut Ui, ms: &[f32; 5]) {
-    let names = ["skin", "crush", "relax", "gather", "render"];
-    let most = ms.iter().copied().fold(1e-3, f32::max);
-    for (name, ms) in names.iter().zip(ms) {
+pub fn stages(ui: &mut Ui, ms: &PerStage<f32>) {
+    let most = ms.values().iter().copied().fold(1e-3, f32::max);
+    for (stage, ms) in ms.iter() {
         ui.horizontal(|ui| {
             let (rect, _) = ui.allocate_exact_size(vec2(46.0, 14.0), Sense::hover());
             let colour = ui.visuals().text_color();
             ui.painter().text(
                 rect.left_center(),
                 Align2::LEFT_CENTER,
-                name,
+                stage.name(),
                 FontId::proportional(12.0),
                 colour,
             );

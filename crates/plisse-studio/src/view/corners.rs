@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use nalgebra::Matrix2;
 use plisse_live::render::Corner;
-use plisse_live::skin::Skinned;
-use plisse_live::unify::Unified;
+use plisse_live::skin::PosedVertices;
+use plisse_live::weld::WeldedMesh;
 use plisse_live::{Vec2, Vec3};
 
 use super::colours::{Scale, wire_uvs};
@@ -24,11 +24,11 @@ pub struct ViewedSurface<'a> {
     /// `[F]` faces as they are drawn wrinkled.
     pub wrinkled: &'a [[Corner; 3]],
     /// The mesh at rest.
-    pub unified: &'a Unified,
+    pub unified: &'a WeldedMesh,
     /// `[F]` principal strain, the lesser first; `None`: it is computed from the mesh at rest.
     pub strain: Option<&'a [[f32; 2]]>,
     /// The posed vertices.
-    pub posed: &'a Arc<Skinned>,
+    pub posed: &'a Arc<PosedVertices>,
     /// `[U]` amplitude (m).
     pub amplitude_m: &'a [f32],
     /// `[U]` numbers of the layer that the view shows, or empty.

@@ -8,9 +8,10 @@ use plisse_live::camera::Camera;
 use plisse_live::live::{LiveOptions, LiveState};
 use plisse_live::profile::Profile;
 use plisse_live::render::Corner;
-use plisse_live::skin::Skinned;
+use plisse_live::skin::PosedVertices;
+use plisse_live::stage::PerStage;
 use plisse_live::texture::Texture;
-use plisse_live::unify::Unified;
+use plisse_live::weld::WeldedMesh;
 
 use super::kind::{Legend, View};
 use super::marks::Mark;
@@ -24,9 +25,9 @@ pub struct Solid {
     /// Faces of the fine wrinkled surface, if there is one.
     pub fine: Option<Vec<[Corner; 3]>>,
     /// `[U]` posed vertices.
-    pub posed: Arc<Skinned>,
+    pub posed: Arc<PosedVertices>,
     /// The mesh that is shown.
-    pub unified: Arc<Unified>,
+    pub unified: Arc<WeldedMesh>,
     /// `[U]` amplitude (m).
     pub amplitude_m: Vec<f32>,
     /// `[U]` wave vectors (rad/m).
@@ -96,7 +97,7 @@ pub struct RenderedFrame {
     /// The camera it was rendered with.
     pub camera: Camera,
     /// `[U]` posed vertices.
-    pub posed: Arc<Skinned>,
+    pub posed: Arc<PosedVertices>,
     /// The waves, if the stages made them.
     pub state: Option<Arc<LiveState>>,
     /// Lines over the picture.
@@ -105,8 +106,8 @@ pub struct RenderedFrame {
     pub legend: Option<Legend>,
     /// Name of the adapter, or of the processor, that rendered it.
     pub device: String,
-    /// Milliseconds of skin, crush, relax, gather and render.
-    pub stage_ms: [f32; 5],
+    /// Milliseconds of each stage.
+    pub stage_ms: PerStage<f32>,
     /// Mean phase error over visible edges (waves).
     pub phase_error: f32,
     /// A message about what went wrong.

@@ -3,8 +3,8 @@
 use std::f32::consts::TAU;
 
 use plisse_live::camera::Camera;
-use plisse_live::skin::Skinned;
-use plisse_live::unify::Unified;
+use plisse_live::skin::PosedVertices;
+use plisse_live::weld::WeldedMesh;
 use plisse_live::{Vec2, Vec3};
 
 /// Most marks in one picture.
@@ -110,7 +110,7 @@ fn chosen(count: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Half the typical length of an edge (m), from a sample.
-fn half_edge_m(unified: &Unified, positions: &[Vec3]) -> f32 {
+fn half_edge_m(unified: &WeldedMesh, positions: &[Vec3]) -> f32 {
     let mut lengths: Vec<f32> = chosen(unified.count())
         .flat_map(|v| unified.around(v).iter().map(move |&n| (v, n as usize)))
         .map(|(v, n)| (positions[n] - positions[v]).norm())
@@ -122,8 +122,8 @@ fn half_edge_m(unified: &Unified, positions: &[Vec3]) -> f32 {
 
 /// The direction of crests at each vertex: lines across the wave vectors.
 pub fn crests(
-    unified: &Unified,
-    posed: &Skinned,
+    unified: &WeldedMesh,
+    posed: &PosedVertices,
     wave: &[Vec3],
     strength: &[f32],
     camera: &Camera,
@@ -145,8 +145,8 @@ pub fn crests(
 /// Expansion as ellipses: a small circle, grown by the expansion of its vertex; none where the
 /// expansion is zero.
 pub fn ellipses(
-    unified: &Unified,
-    posed: &Skinned,
+    unified: &WeldedMesh,
+    posed: &PosedVertices,
     expansion: &[[f32; 4]],
     camera: &Camera,
 ) -> Vec<Mark> {
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_far_side_is_hidden() {
-        let unified = Unified::new(&models::sleeve(), 1e-5);
+        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
         let x = &unified.vertices.positions;
         let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.5);
         let depths = Depths::new(&camera, x, &unified.faces);

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use plisse_live::Vec3;
 use plisse_live::gather::gather;
-use plisse_live::live::LiveState;
-use plisse_live::relax::mean_phase_error;
+use plisse_live::live::{Frame, LiveState};
 use plisse_live::render::Corner;
-use plisse_live::skin::{Skinned, pose, skin};
+use plisse_live::skin::{PosedVertices, pose, skin};
+use plisse_live::stage::{PerStage, Stage};
 use plisse_live::texture::Texture;
 use web_time::Instant;
 
@@ -61,37 +61,26 @@ impl RendererState {
 
     fn render_live(&mut self, request: &RenderRequest, live: &LiveSurface) -> RenderedFrame {
         let subject = &live.subject;
-        let mut ms = [0.0; 5];
+        let mut ms = PerStage::default();
         let drawn = self.step(live, request.steps, &mut ms);
         let begun = Instant::now();
-        let wrinkled = gather(
-            &subject.model,
-            &subject.unified,
-            &self.live.posed,
-            &drawn,
-            &self.live.crushed,
-            &self.live.phase,
-        );
-        ms[3] = milliseconds(begun);
+        let frame = Frame { state: &self.live, drawn: &drawn };
+        let wrinkled = gather(&subject.model, &subject.unified, &frame);
+        ms[Stage::Gather] = milliseconds(begun);
         let state = Arc::new(self.live.clone());
         let surface = ViewedSurface {
             wrinkled: &wrinkled,
             unified: &subject.unified,
             strain: None,
             posed: &Arc::new(state.posed.clone()),
-            amplitude_m: &state.crushed.amplitude_m,
+            amplitude_m: &state.waves.amplitude_m,
             layer: &request.layer,
             eye: request.camera.eye,
         };
-        let phase_error = mean_phase_error(
-            &subject.unified,
-            &state.posed.positions,
-            &state.crushed,
-            &state.phase,
-        );
-        let marks = marks(request, &surface, &state.crushed.wave, &state.crushed.strength);
+        let phase_error = state.mean_phase_error(&subject.unified);
+        let marks = marks(request, &surface, &state.waves.wave, &state.waves.strength);
         let frame = self.render_faces(request, &surface, None);
-        ms[4] = frame.stage_ms[4];
+        ms[Stage::Render] = frame.stage_ms[Stage::Render];
         RenderedFrame { phase_error, marks, state: Some(state), stage_ms: ms, ..frame }
     }
 
@@ -114,7 +103,7 @@ impl RendererState {
 
     /// Runs the stages up to the surface's time, at least `least` steps; the posed draw vertices.
     /// Adds each stage's milliseconds to `ms`.
-    fn step(&mut self, live: &LiveSurface, least: usize, ms: &mut [f32; 5]) -> Skinned {
+    fn step(&mut self, live: &LiveSurface, least: usize, ms: &mut PerStage<f32>) -> PosedVertices {
         let LiveSurface { subject, options, clip, time_s } = live;
         let time_s = *time_s;
         if self.subject.as_ref().is_none_or(|s| !Arc::ptr_eq(s, subject)) {
@@ -139,16 +128,14 @@ impl RendererState {
                 &pose(&subject.model, clip, at),
                 options,
                 |stage| {
-                    let index =
-                        ["skin", "crush", "relax"].iter().position(|s| *s == stage).unwrap_or(0);
-                    ms[index] += milliseconds(begun);
+                    ms[stage] += milliseconds(begun);
                     begun = Instant::now();
                 },
             );
         }
         self.time_s = time_s;
         let drawn = skin(&subject.model.draw, &pose(&subject.model, clip, time_s));
-        ms[0] += milliseconds(begun);
+        ms[Stage::Skin] += milliseconds(begun);
         drawn
     }
 
@@ -173,7 +160,8 @@ impl RendererState {
         };
         let begun = Instant::now();
         let drawn = self.renderer.draw(list, scale, &appearance, &target);
-        let stage_ms = [0.0, 0.0, 0.0, 0.0, milliseconds(begun)];
+        let mut stage_ms = PerStage::default();
+        stage_ms[Stage::Render] = milliseconds(begun);
         RenderedFrame {
             image: drawn.image,
             texture: drawn.texture,

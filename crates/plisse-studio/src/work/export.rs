@@ -12,10 +12,11 @@ use plisse::mesh::{Chart, Topology, Up, Vec2, Vec3};
 use plisse::picture::CLOTH;
 use plisse::scene::SolvedScene;
 use plisse::{Error, Result};
-use plisse_live::export::{Fine, check_size, refine, suggest_parts, write_still};
-use plisse_live::live::{LiveOptions, LiveState};
+use plisse_live::export::{check_size, write_still};
+use plisse_live::fine_mesh::{FineMesh, PARTS_PER_WAVE, refine, suggest_parts};
+use plisse_live::live::{Frame, LiveOptions, LiveState};
 use plisse_live::play::Player;
-use plisse_live::skin::Skinned;
+use plisse_live::skin::PosedVertices;
 use plisse_live::{bake, bias};
 
 use super::grow::Grown;
@@ -25,8 +26,6 @@ use crate::document::settings::ProfileChoice;
 use crate::document::subject::shown;
 use crate::document::{Document, Layer};
 
-/// Number of edges of wrinkled geometry per wave.
-const PER_WAVE: f32 = 6.0;
 /// Width of the rim around islands of maps (texels), as in `plisse bake`.
 const PADDING: usize = 8;
 
@@ -95,7 +94,7 @@ pub fn write<T: Send>(
 
 /// Plays the document's clip from the beginning to its time, as the command line does: the result
 /// does not depend on what the window showed before.
-fn played(document: &Document) -> Result<(LiveState, Skinned, LiveOptions)> {
+fn played(document: &Document) -> Result<(LiveState, PosedVertices, LiveOptions)> {
     let (subject, options) = (&document.subject, document.live_options());
     let mut player =
         Player::new(&subject.model, &subject.unified, &options, document.settings.clip.as_deref())?;
@@ -181,16 +180,17 @@ fn surface(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// The live wrinkles of a document as geometry.
-fn live(document: &Document) -> Result<Fine> {
+fn live(document: &Document) -> Result<FineMesh> {
     let subject = &document.subject;
     let (state, drawn, _) = played(document)?;
     let profile = document.settings.profile.profile();
-    let parts = suggest_parts(&subject.unified, document.settings.wavelength_m, PER_WAVE);
+    let parts = suggest_parts(&subject.unified, document.settings.wavelength_m, PARTS_PER_WAVE);
     check_size(&subject.model, parts, 1)?;
-    Ok(refine(&subject.model, &subject.unified, &drawn, &state, &profile, parts))
+    let frame = Frame { state: &state, drawn: &drawn };
+    Ok(refine(&subject.model, &subject.unified, &frame, &profile, parts))
 }
 
-fn plain_of(fine: &Fine) -> Plain {
+fn plain_of(fine: &FineMesh) -> Plain {
     let wide = |x: &plisse_live::Vec3| Vec3::new(f64::from(x.x), f64::from(x.y), f64::from(x.z));
     let faces: Vec<[usize; 3]> = fine.faces.iter().map(|f| f.map(|v| v as usize)).collect();
     // OBJ's v points up.
@@ -222,8 +222,7 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     let baked = bake::bake(
         &subject.model,
         &subject.unified,
-        &drawn,
-        &state,
+        &Frame { state: &state, drawn: &drawn },
         &profile,
         &Options { size, padding: PADDING },
     )?;
@@ -284,13 +283,8 @@ fn field(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
             let subject = &document.subject;
             let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;
             let (state, ..) = played(document)?;
-            let field = plisse_live::field::to_field(
-                &topology,
-                &subject.unified,
-                &state.posed.positions,
-                &state.crushed,
-                &state.phase,
-            );
+            let coupling = state.coupling(&subject.unified);
+            let field = plisse_live::field::to_field(&topology, &coupling, &state.phase);
             one_file(path, |out| plisse::field::json::write(out, &topology, &field))
         }
         Source::Grown(..) => Err(Error::value(

@@ -18,8 +18,8 @@ use plisse::surface::levels_within;
 use plisse::wrinkled::WrinkledSurface;
 use plisse_live::field::{Waves, from_field};
 use plisse_live::render::Corner;
-use plisse_live::skin::Skinned;
-use plisse_live::unify::{Unified, vertex_normals};
+use plisse_live::skin::PosedVertices;
+use plisse_live::weld::{WeldedMesh, vertex_normals};
 use plisse_live::{Vec2, Vec3 as Seen};
 
 use super::job::Reporter;
@@ -114,7 +114,7 @@ fn ordered([a, b]: [f32; 2]) -> [f32; 2] {
 }
 
 /// The surface to show for a pose with waves; strain and fine surface are empty.
-pub(crate) fn solid(topology: &Topology, posed: Skinned, waves: &Waves) -> Solid {
+pub(crate) fn solid(topology: &Topology, posed: PosedVertices, waves: &Waves) -> Solid {
     Solid {
         coarse: corners(topology, &posed, Some(waves)),
         fine: None,
@@ -127,14 +127,14 @@ pub(crate) fn solid(topology: &Topology, posed: Skinned, waves: &Waves) -> Solid
 }
 
 /// `pose` in the window's axes, with normals.
-pub(crate) fn seen(pose: &[Vec3], topology: &Topology) -> Skinned {
+pub(crate) fn seen(pose: &[Vec3], topology: &Topology) -> PosedVertices {
     let positions: Vec<Seen> = pose.iter().map(shown).collect();
     let faces: Vec<[u32; 3]> = topology.faces.iter().map(|f| f.map(|v| v as u32)).collect();
     let normals = vertex_normals(&positions, &faces);
-    Skinned { positions, normals }
+    PosedVertices { positions, normals }
 }
 
-fn corners(topology: &Topology, posed: &Skinned, waves: Option<&Waves>) -> Vec<[Corner; 3]> {
+fn corners(topology: &Topology, posed: &PosedVertices, waves: Option<&Waves>) -> Vec<[Corner; 3]> {
     let corner = |v: usize| Corner {
         position: posed.positions[v],
         normal: posed.normals[v],
@@ -147,7 +147,7 @@ fn corners(topology: &Topology, posed: &Skinned, waves: Option<&Waves>) -> Vec<[
 }
 
 /// The mesh of a surface to show.
-fn unified(topology: &Topology, posed: &Skinned) -> Unified {
+fn unified(topology: &Topology, posed: &PosedVertices) -> WeldedMesh {
     let model = plisse_live::model::Model::rigid(
         "",
         posed.positions.clone(),

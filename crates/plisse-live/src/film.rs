@@ -1,21 +1,20 @@
-//! animation.png: an animated PNG of the frames at half their size.
+//! A film of frames at half their size, as an animated PNG.
 
-use std::io;
+use std::io::{self, Write};
 
-use plisse::Result;
-use plisse::io::staged::OutputFolder;
 use plisse::picture::Image;
 
-/// Most frames a second that browsers play.
+/// Largest number of frames a second that browsers play.
 const FASTEST_FPS: f64 = 30.0;
-/// Most bytes of pixels that are kept; later frames are left out.
+/// Largest size of the pixels in memory (bytes); of longer films only every n-th frame is taken.
 const MOST_BYTES: usize = 512 << 20;
 
 /// Frames on their way into a file.
-pub(super) struct Film {
+#[derive(Clone, Debug)]
+pub struct Film {
     size: [usize; 2],
     frames: Vec<Vec<u8>>,
-    /// Every n-th frame is taken.
+    /// Every n-th frame is taken, for this n.
     every: usize,
     seen: usize,
     /// Milliseconds between frames of the film.
@@ -23,7 +22,8 @@ pub(super) struct Film {
 }
 
 impl Film {
-    pub(super) fn new(size: [usize; 2], frames: usize, fps: f64) -> Self {
+    /// A film of `frames` pictures of `size` (width, height) pixels, `fps` a second.
+    pub fn new(size: [usize; 2], frames: usize, fps: f64) -> Self {
         let size = size.map(|s| (s / 2).max(1));
         let fit = (MOST_BYTES / (3 * size[0] * size[1])).max(1);
         let every = ((fps / FASTEST_FPS).ceil() as usize).max(frames.div_ceil(fit)).max(1);
@@ -36,7 +36,8 @@ impl Film {
         }
     }
 
-    pub(super) fn push(&mut self, image: &Image) {
+    /// Adds the next picture.
+    pub fn push(&mut self, image: &Image) {
         if self.seen.is_multiple_of(self.every) {
             let pixel = |i: usize| {
                 let (x, y) = (i % self.size[0], i / self.size[0]);
@@ -54,23 +55,25 @@ impl Film {
         self.seen += 1;
     }
 
-    /// Writes animation.png; nothing for a single frame.
-    pub(super) fn write(self, folder: &mut OutputFolder) -> Result<()> {
-        if self.frames.len() < 2 {
-            folder.remove_stale("animation.png");
-            return Ok(());
+    /// True if there are not two frames yet: a still, no film.
+    pub fn is_still(&self) -> bool {
+        self.frames.len() < 2
+    }
+
+    /// Writes the film.
+    ///
+    /// # Errors
+    /// Any error of `out`.
+    pub fn write<W: Write>(self, out: W) -> io::Result<()> {
+        let mut encoder = png::Encoder::new(out, self.size[0] as u32, self.size[1] as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_animated(self.frames.len() as u32, 0).map_err(io::Error::other)?;
+        encoder.set_frame_delay(self.delay_ms, 1000).map_err(io::Error::other)?;
+        let mut writer = encoder.write_header().map_err(io::Error::other)?;
+        for frame in &self.frames {
+            writer.write_image_data(frame).map_err(io::Error::other)?;
         }
-        folder.write("animation.png", |out| {
-            let mut encoder = png::Encoder::new(out, self.size[0] as u32, self.size[1] as u32);
-            encoder.set_color(png::ColorType::Rgb);
-            encoder.set_depth(png::BitDepth::Eight);
-            encoder.set_animated(self.frames.len() as u32, 0).map_err(io::Error::other)?;
-            encoder.set_frame_delay(self.delay_ms, 1000).map_err(io::Error::other)?;
-            let mut writer = encoder.write_header().map_err(io::Error::other)?;
-            for frame in &self.frames {
-                writer.write_image_data(frame).map_err(io::Error::other)?;
-            }
-            writer.finish().map_err(io::Error::other)
-        })
+        writer.finish().map_err(io::Error::other)
     }
 }

@@ -1,9 +1,9 @@
-//! Draw vertices joined by rest position, for the simulation (section 3 of [Loviscach 2006]), and
-//! who neighbours whom.
+//! The welded mesh: draw vertices welded by their rest positions, for the simulation (section 3 of
+//! [Loviscach 2006]), with their neighbours.
 //!
-//! A texture seam splits vertices; wrinkles must not see it. Vertices at one place become one,
-//! whatever their normals, texture coordinates and weights: the first draw vertex there lends its
-//! weights.
+//! A texture seam splits vertices, but wrinkles must run across it. Vertices at one place become
+//! one vertex, whatever their normals, texture coordinates and weights; its weights are those of
+//! the first draw vertex there.
 
 use std::collections::HashMap;
 
@@ -12,25 +12,25 @@ use crate::model::{Model, Morph, Vertices};
 
 /// The mesh that is simulated. Never changes after it is built.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unified {
+pub struct WeldedMesh {
     /// `U` vertices; normals are the means of the faces around them, weighted by area.
     pub vertices: Vertices,
-    /// `[V]` unified vertex of each draw vertex.
+    /// `[V]` welded vertex of each draw vertex.
     pub vertex_of_draw: Vec<u32>,
-    /// `[F][3]` unified vertices of each face; two may be equal where the face is a sliver.
+    /// `[F][3]` welded vertices of each face; two may be equal where the face is a sliver.
     pub faces: Vec<[u32; 3]>,
-    /// `[U + 1]` where each vertex's neighbours begin in `neighbours`.
+    /// `[U + 1]` first neighbour of each vertex in `neighbours`.
     pub starts: Vec<u32>,
     /// Neighbours along edges, ascending at each vertex.
     pub neighbours: Vec<u32>,
 }
 
-impl Unified {
-    /// Unifies `model`'s draw vertices that are less than `tolerance` (a share of the bounding
+impl WeldedMesh {
+    /// Welds `model`'s draw vertices that are less than `tolerance` (a share of the bounding
     /// box's diagonal; 1e-5 does for most files) apart.
     pub fn new(model: &Model, tolerance: f32) -> Self {
         let draw = &model.draw;
-        let (vertex_of_draw, first) = join(&draw.positions, tolerance);
+        let (vertex_of_draw, first) = weld(&draw.positions, tolerance);
         let pick = |list: &[Vec3]| -> Vec<Vec3> {
             if list.is_empty() { Vec::new() } else { first.iter().map(|&v| list[v]).collect() }
         };
@@ -87,13 +87,13 @@ impl Unified {
     }
 }
 
-/// Gives every draw vertex of `model` that has no normal that of its unified vertex: smooth, where
-/// glTF asks for flat faces, because a coarse mesh under wrinkles stands for a smooth surface
-/// (section 6.1 interpolates normals).
-pub fn fill_normals(model: &mut Model, unified: &Unified) {
+/// Fills in the normals of draw vertices that have none: those of their welded vertices. They are
+/// smooth where glTF asks for flat faces, because a coarse mesh under wrinkles stands for a smooth
+/// surface (section 6.1 interpolates normals).
+pub fn fill_normals(model: &mut Model, welded: &WeldedMesh) {
     for (v, normal) in model.draw.normals.iter_mut().enumerate() {
         if normal.norm_squared() < 0.25 {
-            *normal = unified.vertices.normals[unified.vertex_of_draw[v] as usize];
+            *normal = welded.vertices.normals[welded.vertex_of_draw[v] as usize];
         }
     }
 }
@@ -112,7 +112,7 @@ pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
 
 /// `[V]` group of each position, and `[groups]` the first position of each. Groups are counted in
 /// the order of their first members.
-fn join(positions: &[Vec3], tolerance: f32) -> (Vec<u32>, Vec<usize>) {
+fn weld(positions: &[Vec3], tolerance: f32) -> (Vec<u32>, Vec<usize>) {
     let low = positions.iter().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
     let high = positions.iter().fold(Vec3::repeat(f32::NEG_INFINITY), |a, p| a.sup(p));
     let reach = ((high - low).norm() * tolerance).max(f32::MIN_POSITIVE);
