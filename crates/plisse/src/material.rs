@@ -16,7 +16,18 @@ pub struct Material {
 }
 
 impl Material {
-    /// A checked material: 1e-3 Pa ≤ Y ≤ 1e15 Pa, −1 < ν ≤ 0.5, 1e-9 m ≤ h ≤ 10 m, wide of any
+    /// A checked material.
+    ///
+    /// ```
+    /// use plisse::Material;
+    ///
+    /// // Young's modulus (Pa), Poisson's ratio, thickness (m).
+    /// let cloth = Material::new(1e5, 0.3, 5e-4)?;
+    /// assert!(Material::new(1e5, 0.7, 5e-4).is_err());
+    /// # Ok::<(), plisse::Error>(())
+    /// ```
+    ///
+    /// Ranges: 1e-3 Pa ≤ Y ≤ 1e15 Pa, −1 < ν ≤ 0.5, 1e-9 m ≤ h ≤ 10 m, wide of any
     /// cloth or film.
     ///
     /// # Errors
@@ -48,7 +59,8 @@ impl Material {
     /// Holds the thickness against a surface of `area_m2` (m²).
     ///
     /// # Errors
-    /// [`SetupError::NotThin`] if the surface is no thin sheet: thicker than a square of its area is wide.
+    /// [`SetupError::NotThin`] if the surface is no thin sheet: thicker than a square of its area
+    /// is wide.
     pub fn check_thin(&self, area_m2: f64) -> Result<()> {
         let width = area_m2.sqrt();
         if self.thickness_m > width {

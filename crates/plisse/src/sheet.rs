@@ -26,6 +26,17 @@ pub struct Sheet {
 impl Sheet {
     /// The sheet whose rest shape is the mesh `positions` (`[V]`, m), `faces` (`[F][3]`).
     ///
+    /// ```
+    /// use plisse::mesh::Vec3;
+    /// use plisse::{Material, Sheet};
+    ///
+    /// let positions = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::new(1.0, 1.0, 0.0)];
+    /// let faces = vec![[0, 1, 2], [2, 1, 3]];
+    /// let sheet = Sheet::from_rest(positions, faces, Material::new(1e6, 0.3, 1e-3)?)?;
+    /// assert_eq!((sheet.topology.edge_count(), sheet.rest.area_m2()), (5, 1.0));
+    /// # Ok::<(), plisse::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::Mesh`](crate::Error::Mesh) for what [`Topology::new`] refuses and for a face
     /// without area.
@@ -40,6 +51,26 @@ impl Sheet {
 
     /// The sheet with the vertices that `faces` (`[F][3]`) name, and a rest shape with vertices of
     /// its own: panels, which along a seam have two where the sheet has one.
+    ///
+    /// ```
+    /// use plisse::mesh::Vec3;
+    /// use plisse::{Material, RestShape, Sheet};
+    ///
+    /// // Two triangles of one square metre's half each, 1 m apart, sewn along their long sides.
+    /// let positions = vec![
+    ///     Vec3::zeros(),
+    ///     Vec3::x(),
+    ///     Vec3::y(),
+    ///     Vec3::new(3.0, 1.0, 0.0),
+    ///     Vec3::new(2.0, 1.0, 0.0),
+    ///     Vec3::new(3.0, 0.0, 0.0),
+    /// ];
+    /// let rest_shape = RestShape { positions, faces: vec![[0, 1, 2], [3, 4, 5]] };
+    /// let faces = vec![[0, 1, 2], [3, 2, 1]];
+    /// let sheet = Sheet::sewn(faces, rest_shape, Material::new(1e6, 0.3, 1e-3)?)?;
+    /// assert_eq!((sheet.topology.vertex_count, sheet.topology.edge_count()), (4, 5));
+    /// # Ok::<(), plisse::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Sheet::from_rest`].

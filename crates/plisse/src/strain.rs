@@ -29,7 +29,7 @@ impl FaceStrain {
         Self { strain, deformation, principal, directions: [first, Vec2::new(-first.y, first.x)] }
     }
 
-    /// Whether the face is in a mixed state: pressed in one principal direction, not in the other.
+    /// True if the face is in a mixed state: pressed in one principal direction, not in the other.
     pub fn is_mixed(&self) -> bool {
         self.principal[0] <= 0.0 && self.principal[1] >= 0.0
     }

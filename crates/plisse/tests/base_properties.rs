@@ -1,4 +1,4 @@
-//! What any right base solve does: known states of a pulled and of a slack sheet, invariance, and
+//! Properties of any right base solve: known states of a pulled and of a slack sheet, invariance, and
 //! honest reports.
 
 mod sheets;

@@ -1,5 +1,5 @@
 //! Shells in contact: nothing gets in or through, what rests is borne, starts that intersect are
-//! mended or refused, and the solve does not depend on threads, axes or units.
+//! fixed or refused, and the solve does not depend on threads, axes or units.
 
 mod sheets;
 
@@ -139,7 +139,7 @@ fn a_floor_bears_the_weight() {
 // ── Starts ──────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
 #[test]
-fn a_start_that_intersects_is_mended_or_refused() {
+fn a_start_that_intersects_is_fixed_or_refused() {
     let material = cloth();
     let obstacles = [ball(0.3)];
     for solver in Solver::BOTH {

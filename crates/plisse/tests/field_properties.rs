@@ -1,4 +1,4 @@
-//! What any right field solve does, whatever the mesh: closed forms of simple states, invariances,
+//! Properties of any right field solve, whatever the mesh: closed forms of simple states, invariances,
 //! a field that is whole, and a solve that goes downhill, is the same for any number of threads and
 //! can be stopped.
 
@@ -184,7 +184,7 @@ fn ring_material() -> Material {
     Material::new(1e7, 0.3, 1e-3).unwrap()
 }
 
-/// What the invariances are tested on: b₁ = 1 for both, wrinkle-free faces in the first, curvature
+/// Cases on which the invariances are tested: b₁ = 1 for both, wrinkle-free faces in the first, curvature
 /// and a solved pose in the second.
 fn cases() -> Vec<(&'static str, PosedSheet, Material)> {
     vec![
@@ -294,7 +294,7 @@ fn numbering_changes_nothing() {
     }
 }
 
-/// Which corner of a face comes first does not matter either.
+/// The corner of a face that comes first does not matter either.
 #[test]
 fn first_corners_change_nothing() {
     for (name, sheet, material) in cases() {

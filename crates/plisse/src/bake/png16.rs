@@ -15,7 +15,7 @@ pub const SCALE_KEY: &str = "plisse:height-scale-m";
 /// [`SCALE_KEY`].
 ///
 /// # Errors
-/// What `out` answers; [`io::ErrorKind::InvalidData`] for a scale that is not above 0.
+/// Those of `out`; [`io::ErrorKind::InvalidData`] for a scale that is not above 0.
 pub fn write_height(out: &mut dyn Write, baked: &Baked, scale_m: f64) -> io::Result<()> {
     if !(scale_m > 0.0 && scale_m.is_finite()) {
         return Err(io::Error::new(
@@ -40,7 +40,7 @@ pub fn write_height(out: &mut dyn Write, baked: &Baked, scale_m: f64) -> io::Res
 /// outwards.
 ///
 /// # Errors
-/// What `out` answers.
+/// Those of `out`.
 pub fn write_normal(out: &mut dyn Write, baked: &Baked) -> io::Result<()> {
     let texts =
         [("Comment", "tangent-space normals, +Y up (glTF, OpenGL); no colour space".to_owned())];

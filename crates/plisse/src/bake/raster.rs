@@ -14,7 +14,7 @@ const MOST: usize = 16384;
 const BAND: usize = 16;
 /// Barycentric coordinates (no unit) at which a centre counts as on a face's edge.
 const EDGE: f64 = 1e-9;
-/// How far texture coordinates may lie outside by round-off.
+/// Distance (no unit) by which texture coordinates may lie outside by round-off.
 const OUTSIDE: f64 = 1e-5;
 
 /// One texel of a band: face (`u32::MAX`: none) and whether its centre lies clear of the face's
@@ -27,12 +27,30 @@ struct Texel {
     normal: [f32; 3],
 }
 
-/// Bakes what `sample` says at (face, barycentric coordinates) of `surface`. The result does not
+/// Bakes the samples `sample(face, barycentric coordinates)` of `surface`. The result does not
 /// depend on the number of threads.
 ///
+/// ```
+/// use plisse::bake::{Options, Sample, Surface, bake};
+/// use plisse::mesh::{Vec2, Vec3};
+///
+/// // One triangle, 1 mm high everywhere.
+/// let surface = Surface {
+///     positions: &[Vec3::zeros(), Vec3::x(), Vec3::y()],
+///     normals: &[Vec3::z(); 3],
+///     faces: &[[0, 1, 2]],
+///     uvs: &[Vec2::zeros(), Vec2::x(), Vec2::y()],
+///     uv_faces: &[[0, 1, 2]],
+/// };
+/// let flat = |_: usize, _: [f64; 3]| Sample { height_m: 1e-3, gradient: Vec3::zeros() };
+/// let maps = bake(&surface, flat, &Options { size: 64, padding: 4 })?;
+/// assert_eq!((maps.height_m.len(), maps.height_m[63 * 64]), (64 * 64, 1e-3));
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
-/// [`Error::Value`] for a size of 0 or beyond 16384, and for a texture coordinate that is no number or outside [0, 1];
-/// [`Error::Mesh`] for lists that do not match or a corner out of range.
+/// [`Error::Value`] for a size of 0 or beyond 16384, and for a texture coordinate that is no number
+/// or outside [0, 1]; [`Error::Mesh`] for lists that do not match or a corner out of range.
 pub fn bake(
     surface: &Surface<'_>,
     sample: impl Fn(usize, [f64; 3]) -> Sample + Sync,

@@ -4,7 +4,7 @@ use super::maps::Sample;
 use crate::field::WrinkleField;
 use crate::mesh::{Topology, Vec3};
 
-/// What [`super::bake`] asks for, of `field` over the posed surface `positions` (`[V]`, m): h =
+/// Samples for [`super::bake`] of `field` over the posed surface `positions` (`[V]`, m): h =
 /// a·cos φ and ∇h = cos φ·∇a − a·sin φ·∇φ, amplitude a and phase φ being linear over each face.
 /// Wrinkle-free faces are flat.
 pub fn field_sampler<'a>(

@@ -20,9 +20,9 @@ pub struct ClosedForms {
     pub generators: Vec<Vec<(usize, i32)>>,
     /// `[E][…]` generators that are not zero on each edge, ascending, with the value there.
     pub on_edge: Vec<Vec<(usize, i32)>>,
-    /// `[b₁]` length of each generator's loop: how many edges it has.
+    /// `[b₁]` number of edges of each generator's loop.
     pub loop_lengths: Vec<usize>,
-    /// `[E]` whether each edge belongs to a wrinkled face.
+    /// `[E]` true for edges of a wrinkled face.
     pub wrinkled_edge: Vec<bool>,
     /// `[V]` connected component of each vertex, counted from 0; [`NONE`] for vertices of no
     /// wrinkled face.

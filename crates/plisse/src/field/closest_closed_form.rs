@@ -35,7 +35,7 @@ pub struct Rounded {
     pub phases: Vec<f64>,
     /// `[b₁]` whole turns around each generator's loop.
     pub turns: Vec<i64>,
-    /// Whether the integers are proven to be the best.
+    /// True if the integers are proven to be the best.
     pub exact: bool,
 }
 

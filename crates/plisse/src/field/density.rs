@@ -21,8 +21,8 @@ use crate::mesh::{Mat2, Mat3, Vec2};
 use crate::rest::RestFace;
 use crate::strain::FaceStrain;
 
-/// Which terms of eqs. 20–26 take part. All do by default; switch one off to see what it is for
-/// (the paper's ablations).
+/// Terms of eqs. 20–26 that take part. All do by default; switch one off to see its effect (the
+/// paper's ablations).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terms {
     /// Eq. 21: membrane strain left over after wrinkling.
@@ -247,15 +247,9 @@ impl Density {
     }
 }
 
-/// Energy by terms of a face; their sum is [`Density::energy`] with the same `terms`.
-pub fn energy_terms(
-    rest: &RestFace,
-    strain: &FaceStrain,
-    second_form: &Mat3,
-    material: &Material,
-    terms: &Terms,
-    x: &Local,
-) -> EnergyTerms {
+/// Energy by terms of a face whose density with some of the terms is `density`; their sum is
+/// [`Density::energy`] with all of `terms`.
+pub fn energy_terms(density: impl Fn(&Terms) -> Density, terms: &Terms, x: &Local) -> EnergyTerms {
     let none = Terms {
         stretching: false,
         curvature: false,
@@ -264,7 +258,7 @@ pub fn energy_terms(
         bending: false,
         ..*terms
     };
-    let part = |only: Terms| Density::new(rest, strain, second_form, material, &only).energy(x);
+    let part = |only: Terms| density(&only).energy(x);
     EnergyTerms {
         stretching_joule: part(Terms { stretching: terms.stretching, ..none }),
         curvature_joule: part(Terms { curvature: terms.curvature, ..none }),
@@ -440,8 +434,11 @@ mod tests {
                     (energy - expected).abs() < 1e-13 * expected.abs().max(1e-3),
                     "{energy} {expected} {terms:?}"
                 );
-                let parts =
-                    energy_terms(&c.rest, &c.strain, &c.second_form, &c.material, &terms, &x);
+                let parts = energy_terms(
+                    |only| Density::new(&c.rest, &c.strain, &c.second_form, &c.material, only),
+                    &terms,
+                    &x,
+                );
                 let sum = parts.stretching_joule
                     + parts.curvature_joule
                     + parts.mixed_joule

@@ -28,7 +28,7 @@ struct FieldFile<'a> {
 /// Writes `field` on `topology`.
 ///
 /// # Errors
-/// What the writer says.
+/// Those of the writer.
 pub fn write<W: Write + ?Sized>(
     out: &mut W,
     topology: &Topology,
@@ -58,7 +58,8 @@ struct FieldText {
 /// Reads the field in the file `path`, which must have been written on `topology`.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read; [`Error::Mesh`] naming the file if it is no such JSON, or of another mesh.
+/// [`Error::File`] if it cannot be read; [`Error::Mesh`] naming the file if it is no such JSON, or
+/// of another mesh.
 pub fn read(path: &Path, topology: &Topology) -> Result<WrinkleField> {
     let bytes = crate::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
     let bad = |message: String| Error::mesh(path.display().to_string(), message);

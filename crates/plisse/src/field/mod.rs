@@ -1,11 +1,12 @@
 //! The wrinkle field: amplitude, frequency and phase over a base surface (sections 3–5 of [Chen
 //! 2021]).
 //!
-//! [`solve`] makes one from a rest metric and a pose: [`wrinkle_free`] faces are left out, [`curvature`] is fitted,
-//! [`closed_forms`] spans all frequencies that can be integrated, [`initialise`] guesses (after [`comb`]ing), [`problem`] is
-//! minimised ([`density`] is its energy), and [`closest_closed_form`] rounds periods to whole
-//! turns. [`json`] writes fields to files.
-//! [`mod@scaling_law`] makes one without a solve, for comparison.
+//! [`solve`] makes one from a sheet and its pose. Its steps: [`domain`] leaves out the
+//! [`wrinkle_free`] faces and spans all frequencies that can be integrated there
+//! ([`closed_forms`]), [`curvature`] is fitted, [`initialise`] guesses amplitude and frequency
+//! (after [`comb`]ing the directions), [`problem`] is minimised ([`density`] is its energy), and
+//! [`closest_closed_form`] rounds periods to whole turns. [`json`] reads and writes fields.
+//! [`mod@scaling_law`] makes a field without a solve, for comparison.
 
 pub mod closed_forms;
 pub mod closest_closed_form;
@@ -43,7 +44,7 @@ pub struct WrinkleField {
     /// `[F][3]` phase (rad) at each corner; at one vertex corners differ by whole multiples of 2π.
     /// 0 on wrinkle-free faces.
     pub phase: Vec<[f64; 3]>,
-    /// `[F]` whether the face is wrinkle-free.
+    /// `[F]` true for wrinkle-free faces.
     pub wrinkle_free: Vec<bool>,
 }
 

@@ -1,5 +1,5 @@
-//! How ω on a face depends on the unknowns that can only make closed forms: a phase per vertex, a
-//! coefficient per generator.
+//! Unknowns that make closed forms only, a phase per vertex and a coefficient per generator, and
+//! the derivative of ω on a face by them.
 
 use super::closed_forms::ClosedForms;
 use crate::mesh::{NONE, Topology};

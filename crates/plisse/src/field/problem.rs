@@ -1,11 +1,12 @@
-//! The wrinkle energy as a function of amplitudes, phases and periods: what the field solve
+//! The wrinkle energy as a function of amplitudes, phases and periods, which the field solve
 //! minimises.
 //!
 //! Unknowns, in this order: amplitude of every vertex that may wrinkle, phase of every wrinkled
 //! vertex but one a component, one coefficient c for each generator. Closedness of ω needs no
 //! constraint, since every unknown makes closed forms only; what is left are the bounds a ≥ 0.
 //! Amplitudes are in units of [`FieldProblem::amplitude_unit_m`] and energies in units of
-//! [`FieldProblem::energy_unit_joule`], so that neither the solve nor its tolerances depend on the user's units.
+//! [`FieldProblem::energy_unit_joule`], so that neither the solve nor its tolerances depend on the
+//! user's units.
 
 use rayon::prelude::*;
 

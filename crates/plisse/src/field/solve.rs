@@ -25,19 +25,19 @@ use crate::{Error, Result};
 /// the wrinkled faces hold before they wrinkle.
 const PREDICTED_DECREASE_TOLERANCE: f64 = 1e-13;
 
-/// How the field is solved.
+/// Options of the field solve.
 #[derive(Clone, Debug)]
 pub struct FieldOptions {
-    /// How wrinkle-free faces are found.
+    /// Rule by which wrinkle-free faces are found.
     pub rule: WrinkleFreeRule,
-    /// Which terms of the energy take part.
+    /// Terms of the energy that take part.
     pub terms: Terms,
-    /// Whether ω may be unclosed on wrinkle-free faces (section 5.1). If not, no face is
+    /// True if ω may be unclosed on wrinkle-free faces (section 5.1). If not, no face is
     /// wrinkle-free, for ablation.
     pub relaxed_integrability: bool,
     /// Rings of vertices that curvature is fitted to.
     pub curvature_rings: usize,
-    /// How indefinite element Hessians are treated before the true Hessian takes over.
+    /// Projection of indefinite element Hessians, until the true Hessian takes over.
     pub psd_projection: PsdProjection,
     /// Largest component of the projected gradient at which the solve ends, in the problem's own
     /// units; it ends, too, with a step by which next to nothing is to be gained (10⁻¹³ of the
@@ -93,12 +93,12 @@ pub struct Period {
     pub loop_edges: usize,
 }
 
-/// What the solve found besides the field.
+/// Report of a field solve.
 #[derive(Clone, Debug)]
 pub struct FieldReport {
     /// Newton iterations.
     pub iterations: usize,
-    /// Why they ended.
+    /// Reason why they ended.
     pub ending: Ending,
     /// Energy of the wrinkled faces (J), before rounding, without the constant bending of the base
     /// surface.
@@ -111,7 +111,7 @@ pub struct FieldReport {
     pub projected_gradient: f64,
     /// `[b₁]` periods, the largest first.
     pub periods: Vec<Period>,
-    /// Whether the integers are proven to be the best.
+    /// True if the integers are proven to be the best.
     pub rounding_exact: bool,
     /// Seconds of everything before rounding.
     pub field_seconds: f64,
@@ -119,21 +119,43 @@ pub struct FieldReport {
     pub phase_seconds: f64,
 }
 
-/// A wrinkle field and how it was found.
+/// A wrinkle field and the report of its solve.
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// The field.
     pub field: WrinkleField,
-    /// How it was found.
+    /// Report of the solve.
     pub report: FieldReport,
 }
 
 /// The wrinkle field of least energy over a pose (`[V]`, m), with zero amplitude at the `held`
 /// vertices (`[V]`; clamped ones).
 ///
+/// ```
+/// use plisse::field::{FieldOptions, solve};
+/// use plisse::progress::Silent;
+/// # use plisse::{Material, Sheet};
+/// # use plisse::mesh::Vec3;
+/// # // A strip of 20 × 4 squares of 1 cm, pressed together by 2 % along x.
+/// # let at = |v: usize| Vec3::new(0.01 * (v % 21) as f64, 0.01 * (v / 21) as f64, 0.0);
+/// # let rest: Vec<Vec3> = (0..105).map(at).collect();
+/// # let squares = (0..84).filter(|v| v % 21 != 20);
+/// # let faces: Vec<[usize; 3]> =
+/// #     squares.flat_map(|v| [[v, v + 1, v + 22], [v, v + 22, v + 21]]).collect();
+/// # let pose: Vec<Vec3> = rest.iter().map(|p| Vec3::new(0.98 * p.x, p.y, 0.0)).collect();
+/// # let sheet = Sheet::from_rest(rest, faces, Material::new(1e6, 0.3, 1e-4)?)?;
+/// let held = vec![false; pose.len()];
+/// let solved = solve(&sheet, &pose, &held, &FieldOptions::default(), &Silent)?;
+/// // Waves along x take up the 2 % that the pose is shorter.
+/// assert!(solved.field.largest_amplitude_m() > 1e-4);
+/// println!("{} iterations, {:e} J", solved.report.iterations, solved.report.energy_joule);
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
-/// [`Error::Value`] if there is not one entry of `held` and `positions` for each vertex, or the sheet is not thin; [`Error::Numeric`] if the energy is not
-/// finite (absurd material or pose).
+/// [`Error::Value`] if there is not one entry of `held` and `pose` for each vertex;
+/// [`Error::Setup`] if the sheet is not thin; [`Error::Numeric`] if the energy is not finite (absurd
+/// material or pose).
 pub fn solve(
     sheet: &Sheet,
     pose: &[Vec3],
@@ -233,7 +255,10 @@ fn sum_of_terms(
     let mut sum = EnergyTerms::default();
     for f in (0..topology.face_count()).filter(|&f| !field.wrinkle_free[f]) {
         let local = local_unknowns(topology, field, f);
-        let part = energy_terms(&rest.faces[f], &strain[f], &curvature[f], material, terms, &local);
+        let density = |terms: &Terms| {
+            Density::new(&rest.faces[f], &strain[f], &curvature[f], material, terms)
+        };
+        let part = energy_terms(density, terms, &local);
         sum.stretching_joule += part.stretching_joule;
         sum.curvature_joule += part.curvature_joule;
         sum.mixed_joule += part.mixed_joule;

@@ -1,16 +1,16 @@
-//! Which faces are under pure tension and carry no wrinkles.
+//! Wrinkle-free faces: those under pure tension.
 
 use crate::mesh::Topology;
 use crate::strain::FaceStrain;
 
-/// How wrinkle-free faces are found.
+/// Rule by which wrinkle-free faces are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrinkleFreeRule {
     /// Section 5.1 of [Chen 2021]: the lower principal strain, averaged with the neighbours', is
     /// positive; then lonely faces leave and lonely holes are filled.
     #[default]
     Paper,
-    /// What the published code does: the lower principal strain is not negative, and every face all
+    /// The rule of the published code: the lower principal strain is not negative, and every face all
     /// of whose vertices touch such a face.
     Published,
 }
@@ -18,7 +18,7 @@ pub enum WrinkleFreeRule {
 /// Compression below this is rounding, not strain: an undeformed pose has no wrinkles.
 const ROUNDING: f64 = 1e-10;
 
-/// `[F]` whether each face is wrinkle-free.
+/// `[F]` true for wrinkle-free faces.
 pub fn wrinkle_free_faces(
     topology: &Topology,
     strain: &[FaceStrain],
@@ -30,7 +30,7 @@ pub fn wrinkle_free_faces(
     }
 }
 
-/// `[V]` whether each vertex touches a wrinkle-free face: the amplitude is zero there.
+/// `[V]` true for vertices of a wrinkle-free face: the amplitude is zero there.
 pub fn wrinkle_free_vertices(topology: &Topology, wrinkle_free: &[bool]) -> Vec<bool> {
     let mut touched = vec![false; topology.vertex_count];
     for (face, _) in topology.faces.iter().zip(wrinkle_free).filter(|(_, free)| **free) {

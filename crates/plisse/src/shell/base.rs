@@ -15,10 +15,10 @@ use crate::progress::Observer;
 use crate::rest::RestMetric;
 use crate::{Error, Result};
 
-/// How far (in lengths of the sheet) a surface may move before it counts as falling for ever.
+/// Distance (in lengths of the sheet) beyond which a surface that moved counts as falling for ever.
 const FALLING: f64 = 100.0;
 
-/// How the base surface is solved.
+/// Options of the base solve.
 #[derive(Clone, Debug)]
 pub struct BaseOptions {
     /// Share of the ordinary resistance that is left against compression (no unit, 0 to 1): 0 is
@@ -37,12 +37,12 @@ impl Default for BaseOptions {
     }
 }
 
-/// How the base solve went.
+/// Report of a base solve.
 #[derive(Clone, Debug)]
 pub struct BaseReport {
     /// Newton iterations.
     pub iterations: usize,
-    /// Why they ended.
+    /// Reason why they ended.
     pub ending: Ending,
     /// Energy of membrane, bending, loads and contact (J); loads have none at the start.
     pub energy_joule: f64,
@@ -65,10 +65,37 @@ pub struct BaseReport {
 /// `start` is first deformed smoothly so that it meets the clamps, blown up a little if pressure
 /// acts on a flat surface, and pushed out of obstacles.
 ///
+/// ```
+/// use plisse::progress::Silent;
+/// use plisse::shell::{BaseOptions, Clamps, Setup, solve_base};
+/// # use plisse::{Material, Sheet};
+/// # use plisse::mesh::Vec3;
+/// # // A strip of 20 × 4 squares of 1 cm.
+/// # let at = |v: usize| Vec3::new(0.01 * (v % 21) as f64, 0.01 * (v / 21) as f64, 0.0);
+/// # let rest: Vec<Vec3> = (0..105).map(at).collect();
+/// # let squares = (0..84).filter(|v| v % 21 != 20);
+/// # let faces: Vec<[usize; 3]> =
+/// #     squares.flat_map(|v| [[v, v + 1, v + 22], [v, v + 22, v + 21]]).collect();
+/// # let sheet = Sheet::from_rest(rest.clone(), faces, Material::new(1e6, 0.3, 1e-4)?)?;
+/// // Hold both ends of a strip and pull one of them 1 cm.
+/// let mut clamps = Clamps::none(rest.len());
+/// for (v, p) in rest.iter().enumerate() {
+///     if p.x < 1e-9 {
+///         clamps.hold(v, *p);
+///     } else if p.x > 0.2 - 1e-9 {
+///         clamps.hold(v, p + Vec3::x() * 0.01);
+///     }
+/// }
+/// let setup = Setup::new(&sheet, &clamps);
+/// let (pose, report) = solve_base(&setup, &rest, &BaseOptions::default(), &Silent)?;
+/// assert!((pose[20].x - 0.21).abs() < 1e-12 && report.energy_joule > 0.0);
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
-/// [`Error::Value`] if nothing holds the surface, it is open under pressure, or the sheet is not thin; [`Error::Mesh`] if it starts too
-/// deep inside an obstacle; [`Error::Numeric`] if the energy is not finite, or the surface falls
-/// for ever.
+/// [`Error::Setup`] if nothing holds the surface, it is open under pressure, or the sheet is not
+/// thin; [`Error::Mesh`] if it starts too deep inside an obstacle; [`Error::Numeric`] if the energy
+/// is not finite, or the surface falls for ever.
 pub fn solve_base(
     setup: &Setup<'_>,
     start: &[Vec3],
@@ -83,14 +110,15 @@ pub fn solve_base(
         &setup.sheet.rest,
         &setup.sheet.material,
     ));
-    let effort = Effort {
+    let criteria = StopCriteria {
         stage: "base",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
         escape_saddles: false,
     };
-    let settled = settle(setup, &begin, options.compressive_stiffness, bending, &effort, observer)?;
-    let pose = settled.pose;
+    let stiffness = Stiffness { compression: options.compressive_stiffness, bending };
+    let solution = equilibrate(setup, &begin, stiffness, &criteria, observer)?;
+    let pose = solution.pose;
     let mut states = [0; 3];
     for (rest, face) in setup.sheet.rest.faces.iter().zip(&setup.sheet.topology.faces) {
         let membrane = Membrane::new(rest, &setup.sheet.material, options.compressive_stiffness);
@@ -103,10 +131,10 @@ pub fn solve_base(
     let (collapsed_faces, inverted_faces) =
         defects(&setup.sheet.topology, &setup.sheet.rest, &pose);
     let report = BaseReport {
-        iterations: settled.iterations,
-        ending: settled.ending,
-        energy_joule: settled.energy_joule,
-        gradient_newton: settled.gradient_newton,
+        iterations: solution.iterations,
+        ending: solution.ending,
+        energy_joule: solution.energy_joule,
+        gradient_newton: solution.gradient_newton,
         collapsed_faces,
         inverted_faces,
         resolved_faces,
@@ -116,19 +144,26 @@ pub fn solve_base(
     Ok((pose, report))
 }
 
-/// How long, and how exactly, an equilibrium is sought.
-pub(super) struct Effort {
+/// Resistance of a shell to compression and to bending.
+pub(super) struct Stiffness {
+    /// Share of the ordinary resistance that is left against compression (no unit, 0 to 1).
+    pub(super) compression: f64,
+    pub(super) bending: Bending,
+}
+
+/// Criteria by which the search for an equilibrium stops.
+pub(super) struct StopCriteria {
     /// Name of the step, for the observer and errors.
     pub(super) stage: &'static str,
     pub(super) iteration_limit: usize,
     /// Largest gradient component at the end, in units of Young's modulus · thickness · size.
     pub(super) tolerance: f64,
-    /// Whether to go on from where the shell is in equilibrium but about to buckle.
+    /// True if the search goes on where the shell is in equilibrium but about to buckle.
     pub(super) escape_saddles: bool,
 }
 
-/// An equilibrium, and how it was found.
-pub(super) struct Settled {
+/// An equilibrium and the report of its solve.
+pub(super) struct Solution {
     /// `[V]` (m).
     pub(super) pose: Vec<Vec3>,
     pub(super) iterations: usize,
@@ -139,34 +174,33 @@ pub(super) struct Settled {
     pub(super) residual: f64,
 }
 
-/// The equilibrium of a shell that resists bending by `bending`, from the prepared pose `begin`
-/// (`[V]`, m) on.
-pub(super) fn settle(
+/// The equilibrium of a shell with this `stiffness`, from the prepared pose `begin` (`[V]`, m) on.
+pub(super) fn equilibrate(
     setup: &Setup<'_>,
     begin: &[Vec3],
-    compressive_stiffness: f64,
-    bending: Bending,
-    effort: &Effort,
+    stiffness: Stiffness,
+    criteria: &StopCriteria,
     observer: &dyn Observer,
-) -> Result<Settled> {
+) -> Result<Solution> {
     let mut held = setup.clamps.clone();
     if setup.floats() {
         pin_rigid_motions(&setup.sheet.topology, begin, &mut held);
     }
-    let mut problem = Equilibrium::new(setup, &held, begin, compressive_stiffness, bending);
+    let mut problem =
+        Equilibrium::new(setup, &held, begin, stiffness.compression, stiffness.bending);
     let unit_joule = problem.unit_joule();
     let newton = Options {
-        iteration_limit: effort.iteration_limit,
-        tolerance: effort.tolerance,
-        escape_saddles: effort.escape_saddles,
-        ..Options::new(effort.stage, unit_joule)
+        iteration_limit: criteria.iteration_limit,
+        tolerance: criteria.tolerance,
+        escape_saddles: criteria.escape_saddles,
+        ..Options::new(criteria.stage, unit_joule)
     };
     let x = problem.pack(begin);
     let outcome = minimise(&mut problem, &x, &newton, observer)?;
     let mut pose = begin.to_vec();
     problem.unpack(&outcome.x, &mut pose);
-    check_outcome(effort.stage, setup, outcome.energy, begin, &pose)?;
-    Ok(Settled {
+    check_outcome(criteria.stage, setup, outcome.energy, begin, &pose)?;
+    Ok(Solution {
         pose,
         iterations: outcome.iterations,
         ending: outcome.ending,

@@ -20,7 +20,7 @@ use crate::mesh::{NONE, Vec3};
 /// Faces whose element Hessians are added at once.
 const BUFFER: usize = 2048;
 
-/// How the shell resists bending.
+/// Bending energy of a shell.
 pub(super) enum Bending {
     /// For base surfaces: quadratic in the positions.
     Quadratic(QuadraticBending),
@@ -41,7 +41,7 @@ pub(super) struct Equilibrium<'a> {
     size: usize,
     length_m: f64,
     unit_joule: f64,
-    /// Where loads have no energy.
+    /// `[V]` positions (m) in which loads have no energy.
     origin: Vec<Vec3>,
     pose: Vec<Vec3>,
     /// Corners of each face; and with mid-edge bending, those of its neighbours, too.

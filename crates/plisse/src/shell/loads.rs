@@ -1,5 +1,4 @@
-//! What pushes a shell from outside: its weight, the pressure inside it, and forces on some of its
-//! vertices.
+//! Loads on a shell: its weight, the pressure inside it, and forces on some of its vertices.
 
 use crate::mesh::Vec3;
 

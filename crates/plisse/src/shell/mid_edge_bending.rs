@@ -16,7 +16,7 @@
 //! on the boundary. The energy h³/12·‖II‖²_SV·area is then ½sᵀQs with a constant positive
 //! semidefinite Q, and its Gauss–Newton Hessian is convex without repair.
 //!
-//! How long n̂ₖ is makes the function of θₖ, and all choices agree up to θ³: the average itself, as
+//! The length of n̂ₖ makes the function of θₖ, and all choices agree up to θ³: the average itself, as
 //! in [Chen 2021], gives sin θₖ, the unit average 2·sin(θₖ/2), a part of 1 along the face's own
 //! normal 2·tan(θₖ/2). But the first lets a fold beyond a right angle shut for nothing, and the
 //! second changes its sign at θ = ±π: where a face comes to lie on its neighbour the energy has a
@@ -133,10 +133,10 @@ impl MidEdgeBending {
     }
 
     /// Energy (J), gradient and Hessian of face `f` with the vertices at `pose` (`[V]`, m), in the
-    /// coordinates of
-    /// [`MidEdgeBending::vertices`]; rows of missing vertices are 0. With [`PsdProjection::None`] the Hessian is the true one,
-    /// Σ Qₖₗ·∇sₖ∇sₗᵀ + Σ (Qs)ₖ·∇²sₖ; otherwise it is the first sum alone (Gauss–Newton), which is
-    /// positive semidefinite and true where the surface is flat.
+    /// coordinates of [`MidEdgeBending::vertices`]; rows of missing vertices are 0. With
+    /// [`PsdProjection::None`] the Hessian is the true one, Σ Qₖₗ·∇sₖ∇sₗᵀ + Σ (Qs)ₖ·∇²sₖ; otherwise
+    /// it is the first sum alone (Gauss–Newton), which is positive semidefinite and true where the
+    /// surface is flat.
     pub fn derivatives(
         &self,
         f: usize,

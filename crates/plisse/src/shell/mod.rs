@@ -2,8 +2,10 @@
 //! appendix B of [Chen 2021]), and the reference shell, which resolves its wrinkles if the mesh
 //! does (appendix A).
 //!
-//! [`setup`] says what is held, pushed ([`loads`], [`pressure`]) and in the way (contact); [`tension_field`] is the membrane of a face;
-//! [`quadratic_bending`] and [`mid_edge_bending`] resist bending; [`base`] and [`reference`](mod@reference) are the solves.
+//! [`setup`] gathers the sheet, its clamps, its [`loads`] ([`pressure`] among them) and the bodies
+//! in its way (contact). [`tension_field`] is the membrane energy of a face, [`quadratic_bending`]
+//! and [`mid_edge_bending`] are bending energies, [`base`] and [`reference`](mod@reference) the
+//! solves.
 
 pub mod base;
 pub(crate) mod contact;

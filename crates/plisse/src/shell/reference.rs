@@ -4,7 +4,7 @@
 
 use web_time::Instant;
 
-use super::base::{Effort, settle};
+use super::base::{Stiffness, StopCriteria, equilibrate};
 use super::equilibrium::Bending;
 use super::mid_edge_bending::MidEdgeBending;
 use super::setup::Setup;
@@ -15,7 +15,7 @@ use crate::mesh::Vec3;
 use crate::progress::Observer;
 use crate::random::Random;
 
-/// How the reference shell is solved.
+/// Options of the solve of the reference shell.
 #[derive(Clone, Debug)]
 pub struct ReferenceOptions {
     /// Newton iterations at most.
@@ -39,12 +39,12 @@ impl Default for ReferenceOptions {
     }
 }
 
-/// How the solve of the reference shell went.
+/// Report of a solve of the reference shell.
 #[derive(Clone, Debug)]
 pub struct ReferenceReport {
     /// Newton iterations.
     pub iterations: usize,
-    /// Why they ended.
+    /// Reason why they ended.
     pub ending: Ending,
     /// Energy of membrane, bending, loads and contact (J); loads have none at the start.
     pub energy_joule: f64,
@@ -59,7 +59,7 @@ pub struct ReferenceReport {
 }
 
 impl ReferenceReport {
-    /// Whether it ended where no step lowers the energy although forces are far from balanced: the
+    /// True if it ended where no step lowers the energy although forces are far from balanced: the
     /// energy has a jump where a face loses its area.
     pub fn is_stuck(&self) -> bool {
         self.ending == Ending::RoundOff && self.residual > STUCK
@@ -86,23 +86,24 @@ pub fn solve_reference(
         &setup.sheet.rest,
         &setup.sheet.material,
     ));
-    let effort = Effort {
+    let criteria = StopCriteria {
         stage: "shell",
         iteration_limit: options.iteration_limit,
         tolerance: options.tolerance,
         escape_saddles: true,
     };
-    let settled = settle(setup, &begin, 1.0, bending, &effort, observer)?;
+    let stiffness = Stiffness { compression: 1.0, bending };
+    let solution = equilibrate(setup, &begin, stiffness, &criteria, observer)?;
     let report = ReferenceReport {
-        iterations: settled.iterations,
-        ending: settled.ending,
-        energy_joule: settled.energy_joule,
-        gradient_newton: settled.gradient_newton,
-        residual: settled.residual,
+        iterations: solution.iterations,
+        ending: solution.ending,
+        energy_joule: solution.energy_joule,
+        gradient_newton: solution.gradient_newton,
+        residual: solution.residual,
         resolved_faces,
         seconds: begun.elapsed().as_secs_f64(),
     };
-    Ok((settled.pose, report))
+    Ok((solution.pose, report))
 }
 
 /// `start` with every vertex moved along its normal by a seeded random length.

@@ -7,7 +7,7 @@ use crate::mesh::{NONE, Vec3};
 use crate::obstacle::Obstacle;
 use crate::sheet::Sheet;
 
-/// What holds the surface: for each vertex and axis a target position (m), or nothing.
+/// Clamps of a surface: for each vertex and axis a target position (m), or none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clamps {
     /// `[V][3]` target of each coordinate (m), `None` where it is free.
@@ -40,20 +40,20 @@ impl Clamps {
         (numbers, count)
     }
 
-    /// `[V]` whether any coordinate of each vertex is held.
+    /// `[V]` true for vertices of which any coordinate is held.
     pub fn held(&self) -> Vec<bool> {
         self.targets.iter().map(|t| t.iter().any(Option::is_some)).collect()
     }
 }
 
-/// A thin sheet, what holds it, what pushes it, and what it may not enter.
+/// A thin sheet with its clamps, its loads, and the obstacles that it may not enter.
 #[derive(Clone, Debug)]
 pub struct Setup<'a> {
     /// The sheet.
     pub sheet: &'a Sheet,
-    /// What is held, and where.
+    /// Targets of the held coordinates.
     pub clamps: &'a Clamps,
-    /// What pushes.
+    /// Loads.
     pub loads: Loads,
     /// Bodies that no vertex enters.
     pub obstacles: &'a [Obstacle],
@@ -105,7 +105,7 @@ impl<'a> Setup<'a> {
         forces
     }
 
-    /// Whether nothing but pressure and stiffness acts, so that rigid motions cost nothing.
+    /// True if nothing but pressure and stiffness acts, so that rigid motions cost nothing.
     pub(super) fn floats(&self) -> bool {
         self.obstacles.is_empty()
             && self.clamps.targets.iter().flatten().all(Option::is_none)

@@ -1,5 +1,5 @@
-//! Where a solve starts: the given pose, brought to the clamps, blown up a little if pressure acts
-//! on a flat one, and freed from obstacles.
+//! The pose in which a solve starts: the given one, brought to the clamps, blown up a little if
+//! pressure acts on a flat one, and freed from obstacles.
 
 use super::pressure::volume_m3;
 use super::setup::{Clamps, Setup};
@@ -12,7 +12,7 @@ use crate::{Error, Result};
 
 /// A surface that encloses less than this part of (area)^1.5 counts as flat.
 const FLAT: f64 = 2e-3;
-/// How round a flat surface is made: part of a half ball's height.
+/// Roundness that a flat surface is given (no unit): part of a half ball's height.
 const ROUNDNESS: f64 = 0.6;
 /// Distance from an obstacle, in contact thicknesses, that vertices are brought to.
 const CLEAR: f64 = 0.5;
@@ -22,8 +22,9 @@ const ROUNDS: usize = 100;
 /// The pose to start from, and the faces that were inside an obstacle.
 ///
 /// # Errors
-/// [`Error::Mesh`] naming obstacle and faces if a held vertex is inside one, its clamp takes it through one, or free ones are so deep
-/// inside (deeper than the mean edge is long) that nobody knows on which side they belong.
+/// [`Error::Mesh`] naming obstacle and faces if a held vertex is inside one, its clamp takes it
+/// through one, or free ones are so deep inside (deeper than the mean edge is long) that nobody
+/// knows on which side they belong.
 pub(super) fn prepare(setup: &Setup<'_>, start: &[Vec3]) -> Result<(Vec<Vec3>, Vec<usize>)> {
     let mut pose = meet_clamps(&setup.sheet.topology, start, setup.clamps)?;
     stay_outside(setup, start, &mut pose)?;
@@ -199,9 +200,9 @@ fn stay_outside(setup: &Setup<'_>, start: &[Vec3], pose: &mut [Vec3]) -> Result<
     Ok(())
 }
 
-/// Where a point that moves from `p` outside `obstacle` by `by` (m) is about to enter it: the part
-/// of the way on which it keeps `clear` (m) of it, or as much as it has. `None` if it does not
-/// enter, or starts inside.
+/// Part of the way `by` (m) on which a point that moves from `p`, outside `obstacle`, keeps `clear`
+/// (m) of it, or as much as it has, before it enters. `None` if it does not enter, or starts
+/// inside.
 fn part_before(obstacle: &Obstacle, p: &Vec3, by: &Vec3, clear: f64) -> Option<f64> {
     let (length, least) = (by.norm(), 1e-2 * clear);
     let mut last = obstacle.distance_m(p);

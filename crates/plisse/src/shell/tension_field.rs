@@ -32,7 +32,7 @@ pub struct Membrane {
     compressive_stiffness: f64,
 }
 
-/// How a face bears its strain.
+/// State of a face by its strain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaceState {
     /// Pressed both ways: no force.

@@ -14,7 +14,7 @@ use crate::mesh::normals::vertex_normals;
 use crate::mesh::{Mat2, Mat3, Mat3x2, Vec2, Vec3};
 use crate::rest::RestFace;
 
-/// Which corrections take part.
+/// In-plane corrections that take part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Displacement<'a> {
     /// The second in-plane correction, a²/8 sin 2φ ∇φ.
@@ -37,6 +37,27 @@ pub struct FirstCorrection<'a> {
 const STEEPEST: f64 = 4.0;
 
 /// `[V]` positions (m) of the wrinkled surface.
+///
+/// ```
+/// use plisse::surface::{Displacement, displace, upsample};
+/// # use plisse::{Material, Sheet};
+/// # use plisse::mesh::Vec3;
+/// # // A strip of 20 × 4 squares of 1 cm, pressed together by 2 % along x.
+/// # let at = |v: usize| Vec3::new(0.01 * (v % 21) as f64, 0.01 * (v / 21) as f64, 0.0);
+/// # let rest: Vec<Vec3> = (0..105).map(at).collect();
+/// # let squares = (0..84).filter(|v| v % 21 != 20);
+/// # let faces: Vec<[usize; 3]> =
+/// #     squares.flat_map(|v| [[v, v + 1, v + 22], [v, v + 22, v + 21]]).collect();
+/// # let pose: Vec<Vec3> = rest.iter().map(|p| Vec3::new(0.98 * p.x, p.y, 0.0)).collect();
+/// # let sheet = Sheet::from_rest(rest, faces, Material::new(1e6, 0.3, 1e-4)?)?;
+/// # let (held, options) = (vec![false; pose.len()], Default::default());
+/// # let silent = plisse::progress::Silent;
+/// # let field = plisse::field::solve(&sheet, &pose, &held, &options, &silent)?.field;
+/// let fine = upsample(&sheet, &pose, &field, 3);
+/// let wrinkled = displace(&fine, &Displacement { v2: true, v1: None });
+/// assert_eq!(wrinkled.len(), fine.topology.vertex_count);
+/// # Ok::<(), plisse::Error>(())
+/// ```
 pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
     let topology = &surface.topology;
     // Slow vectors per face, then their mean at vertices, by area.
@@ -79,7 +100,7 @@ pub fn displace(surface: &Upsampled, how: &Displacement<'_>) -> Vec<Vec3> {
         .collect()
 }
 
-/// What varies slowly over a face.
+/// Quantities that vary slowly over a face.
 #[derive(Clone, Copy, Default)]
 struct Slow {
     /// ∇φ (rad/m) in space.

@@ -1,5 +1,5 @@
-//! Wrinkles over bodies: the field does not know obstacles, so troughs may dip into them. What does
-//! is laid on their surface.
+//! Wrinkles over bodies: the field does not know obstacles, so troughs may dip into them. Vertices
+//! that do are moved to their surface.
 
 use rayon::prelude::*;
 

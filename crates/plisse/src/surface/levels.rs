@@ -1,4 +1,4 @@
-//! How often a base surface is subdivided so that its wrinkles show.
+//! Number of subdivisions with which the wrinkles of a base surface show.
 
 use crate::mesh::Topology;
 use crate::sheet::Sheet;
@@ -27,8 +27,8 @@ pub fn suggest_levels(sheet: &Sheet, median_wavelength_m: Option<f64>) -> usize 
     levels.min(levels_within(topology, MOST_FACES))
 }
 
-/// How many times `topology` can be subdivided before it has more than `most_faces` faces, at most
-/// [`MOST_LEVELS`].
+/// Number of times that `topology` can be subdivided before it has more than `most_faces` faces, at
+/// most [`MOST_LEVELS`].
 pub fn levels_within(topology: &Topology, most_faces: usize) -> usize {
     let faces = |levels: usize| topology.face_count().saturating_mul(4_usize.pow(levels as u32));
     (1..=MOST_LEVELS).take_while(|&levels| faces(levels) <= most_faces).last().unwrap_or(0)

@@ -1,6 +1,6 @@
 //! From a coarse base surface and a wrinkle field to fine geometry (E.5 of [Chen 2021]):
-//! [`mod@upsample`] subdivides both as often as [`levels`] says,
-//! [`mod@displace`] moves the fine vertices by eq. 19, [`mod@keep_out`] lays what then is inside a body on its surface.
+//! [`mod@upsample`] subdivides both as often as [`levels`] says, [`mod@displace`] moves the fine
+//! vertices by eq. 19, [`mod@keep_out`] moves vertices that then are inside a body to its surface.
 
 pub mod displace;
 pub mod keep_out;

@@ -29,7 +29,7 @@ pub struct Upsampled {
     pub amplitude_m: Vec<f64>,
     /// `[F][3]` phase (rad) at each corner; 0 on wrinkle-free faces.
     pub phase: Vec<[f64; 3]>,
-    /// `[F]` whether the face is part of a wrinkle-free one.
+    /// `[F]` true for parts of wrinkle-free faces.
     pub wrinkle_free: Vec<bool>,
     /// The rest shape, subdivided linearly, so that flat panels stay flat.
     pub rest_shape: RestShape,

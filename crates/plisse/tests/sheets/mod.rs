@@ -193,7 +193,7 @@ pub(crate) enum Solver {
     Reference,
 }
 
-/// What both solves report.
+/// The common part of both solves' reports.
 #[derive(Clone, Debug)]
 pub(crate) struct Equilibrium {
     pub(crate) pose: Vec<Vec3>,
@@ -205,7 +205,7 @@ pub(crate) struct Equilibrium {
 }
 
 impl Equilibrium {
-    /// Whether the solve came to its end by itself.
+    /// True if the solve came to its end by itself.
     pub(crate) fn settled(&self) -> bool {
         matches!(self.ending, Ending::Converged | Ending::RoundOff)
     }
