@@ -5,7 +5,7 @@ use plisse::io::staged::OutputFolder;
 use plisse::mesh::{Up, Vec3};
 use plisse::obstacle::Obstacle;
 use plisse::picture::{Camera, Image, Paint, PanelView, Subject, draw_among};
-use plisse::wrinkled::{PosedField, WrinkledSurface};
+use plisse::wrinkles::{PosedField, WrinkledSurface};
 use serde::Serialize;
 
 use crate::terminal;

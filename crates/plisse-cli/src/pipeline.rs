@@ -10,7 +10,7 @@ use plisse::linalg::Ending;
 use plisse::mesh::Up;
 use plisse::scene::Measured;
 use plisse::shell::BaseReport;
-use plisse::wrinkled::PosedField;
+use plisse::wrinkles::PosedField;
 use plisse::{Error, Result};
 
 use crate::arguments::OutputArguments;

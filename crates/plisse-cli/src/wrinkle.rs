@@ -8,7 +8,7 @@ use plisse::io::clamp_file::read_clamped_vertices;
 use plisse::io::garment;
 use plisse::material::Material;
 use plisse::mesh::islands::panel_texture;
-use plisse::wrinkled::{PosedField, SurfaceOptions};
+use plisse::wrinkles::{PosedField, SurfaceOptions};
 use plisse::{At, Result, Sheet};
 
 use crate::arguments::WrinkleArguments;

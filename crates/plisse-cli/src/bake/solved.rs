@@ -8,7 +8,7 @@ use plisse::field::{WrinkleField, json};
 use plisse::io::obj;
 use plisse::io::staged::OutputFolder;
 use plisse::mesh::{Chart, Topology, Vec3};
-use plisse::wrinkled::bake_field;
+use plisse::wrinkles::bake_field;
 use plisse::{At, Error, Result};
 
 use super::{Job, refuse};

@@ -10,7 +10,7 @@ use plisse::scene::schema::{MeasureKind, MeasureTable};
 use plisse::scene::{self, BuiltScene, Scene, SolvedScene};
 use plisse::shell::{BaseReport, ReferenceOptions, ReferenceReport, solve_base, solve_reference};
 use plisse::surface::{levels_within, upsample};
-use plisse::wrinkled::{PosedField, SurfaceOptions};
+use plisse::wrinkles::{PosedField, SurfaceOptions};
 
 use super::stable::StableWatch;
 use super::table::{Cell, Illustration, fixed, none};

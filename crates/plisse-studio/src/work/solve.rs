@@ -15,7 +15,7 @@ use plisse::scene::{BuiltScene, SolvedScene, solve_field};
 use plisse::shell::{BaseOptions, solve_base};
 use plisse::strain::strain;
 use plisse::surface::levels_within;
-use plisse::wrinkled::WrinkledSurface;
+use plisse::wrinkles::WrinkledSurface;
 use plisse_live::field::{Waves, from_field};
 use plisse_live::render::Corner;
 use plisse_live::skin::PosedVertices;

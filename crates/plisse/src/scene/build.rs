@@ -12,7 +12,7 @@ use crate::obstacle::Obstacle;
 use crate::rest::RestMetric;
 use crate::sheet::Sheet;
 use crate::shell::{BaseOptions, Clamps, Loads, Setup};
-use crate::wrinkled::{PosedField, SurfaceOptions};
+use crate::wrinkles::{PosedField, SurfaceOptions};
 use crate::{At, Result};
 
 /// Thickness of contact if the scene gives none, relative to the size of the start pose.

@@ -4,7 +4,7 @@ use super::schema::{Rule, Scene, SurfaceTable};
 use crate::field::{FieldOptions, WrinkleFreeRule};
 use crate::material::Material;
 use crate::shell::BaseOptions;
-use crate::wrinkled::SurfaceOptions;
+use crate::wrinkles::SurfaceOptions;
 use crate::{At, Result};
 
 /// The material.

@@ -12,7 +12,7 @@ use crate::io::staged::OutputFolder;
 use crate::mesh::{Up, Vec3};
 use crate::progress::Observer;
 use crate::shell::BaseReport;
-use crate::wrinkled::{PosedField, WrinkledSurface};
+use crate::wrinkles::{PosedField, WrinkledSurface};
 use crate::{At, Result};
 
 /// Options of a solve beside those of the scene file.
