@@ -19,7 +19,8 @@
 //! # let faces: Vec<[usize; 3]> =
 //! #     squares.flat_map(|v| [[v, v + 1, v + 22], [v, v + 22, v + 21]]).collect();
 //! # let pose: Vec<Vec3> = rest.iter().map(|p| Vec3::new(0.98 * p.x, p.y, 0.0)).collect();
-//! let material = Material::new(1e6, 0.3, 1e-4)?; // Young's modulus (Pa), Poisson's ratio, thickness (m)
+//! // Young's modulus (Pa), Poisson's ratio, thickness (m)
+//! let material = Material::new(1e6, 0.3, 1e-4)?;
 //! let sheet = Sheet::from_rest(rest, faces, material)?;
 //! let wrinkles = sheet.wrinkle(&pose)?;
 //! let surface = wrinkles.surface(None);

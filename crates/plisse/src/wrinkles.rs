@@ -126,8 +126,8 @@ impl PosedField<'_> {
         WrinkledSurface { fine, positions }
     }
 
-    /// Writes `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json` into `folder`. `up` is the
-    /// axis of the pose that points up.
+    /// Writes `base.obj`, `wrinkled.obj`, `wrinkled.glb` and `field.json` into `folder`. `up` is
+    /// the axis of the pose that points up.
     ///
     /// # Errors
     /// [`Error::File`] if something cannot be written.

@@ -1,5 +1,5 @@
-//! Properties of any right base solve: known states of a pulled and of a slack sheet, invariance, and
-//! honest reports.
+//! Properties of any right base solve: known states of a pulled and of a slack sheet, invariance,
+//! and honest reports.
 
 mod sheets;
 
@@ -38,7 +38,7 @@ fn area_ratios(sheet: &PosedSheet, pose: &[Vec3]) -> Vec<f64> {
         .collect()
 }
 
-// ── Pulled ──────────────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Pulled ───────────────────────────────────────────────────────────────────────────────────────
 
 /// A strip of 1 × 0.4 m that is pulled along x to `1 + pull`, its ends free to narrow.
 fn pulled_strip(pull: f64) -> (PosedSheet, Clamps) {
@@ -122,7 +122,7 @@ fn a_sheet_pulled_both_ways_is_taut() {
     assert!((report.energy_joule / energy - 1.0).abs() < 1e-9);
 }
 
-// ── Slack ───────────────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Slack ────────────────────────────────────────────────────────────────────────────────────────
 
 /// A strip of 1 × 0.4 m whose ends, held in x and z, come 5 % nearer to each other.
 fn slack_strip() -> (PosedSheet, Clamps) {
@@ -212,7 +212,7 @@ fn compressive_stiffness_evens_out_a_slack_sheet() {
     assert_eq!(little.1, 0, "no face is collapsed or inverted");
 }
 
-// ── Invariance and honesty ──────────────────────────────────────────────────────────────────────────────────────────────
+// ── Invariance and honesty ───────────────────────────────────────────────────────────────────────
 
 #[test]
 fn rigid_motions_move_the_result_along() {

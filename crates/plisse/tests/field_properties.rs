@@ -1,6 +1,6 @@
-//! Properties of any right field solve, whatever the mesh: closed forms of simple states, invariances,
-//! a field that is whole, and a solve that goes downhill, is the same for any number of threads and
-//! can be stopped.
+//! Properties of any right field solve, whatever the mesh: closed forms of simple states,
+//! invariances, a field that is whole, and a solve that goes downhill, is the same for any number
+//! of threads and can be stopped.
 
 mod sheets;
 
@@ -43,7 +43,7 @@ fn turns(solved: &Solved) -> Vec<i64> {
     solved.report.periods.iter().map(|p| p.turns).collect()
 }
 
-// ── Closed forms ────────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Closed forms ─────────────────────────────────────────────────────────────────────────────────
 
 /// ω of face `f` as a vector (rad/m) in the plane of a flat rest shape: its face frame's first
 /// vector runs along edge 0→1.
@@ -177,15 +177,15 @@ fn crests_over_curvature_have_the_frequency_that_balances_bending() {
     assert!(fine.abs() < 0.5 * coarse.abs(), "{coarse} {fine}");
 }
 
-// ── Invariance ──────────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Invariance ───────────────────────────────────────────────────────────────────────────────────
 
 /// Material of [`twisted_ring`].
 fn ring_material() -> Material {
     Material::new(1e7, 0.3, 1e-3).unwrap()
 }
 
-/// Cases on which the invariances are tested: b₁ = 1 for both, wrinkle-free faces in the first, curvature
-/// and a solved pose in the second.
+/// Cases on which the invariances are tested: b₁ = 1 for both, wrinkle-free faces in the first,
+/// curvature and a solved pose in the second.
 fn cases() -> Vec<(&'static str, PosedSheet, Material)> {
     vec![
         ("ring", twisted_ring(0.15, 4), ring_material()),
@@ -414,7 +414,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
-// ── A whole field ───────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── A whole field ────────────────────────────────────────────────────────────────────────────────
 
 /// Asserts everything that the docs of [`WrinkleField`] promise.
 fn assert_whole(name: &str, sheet: &PosedSheet, field: &WrinkleField) {
@@ -506,7 +506,7 @@ fn the_ring_is_partly_wrinkle_free() {
     );
 }
 
-// ── Going downhill ──────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Going downhill ───────────────────────────────────────────────────────────────────────────────
 
 /// Remembers what it is told, and asks to stop after some steps.
 struct Watcher {
@@ -586,7 +586,7 @@ fn a_cancelled_solve_keeps_what_it_has() {
     }
 }
 
-// ── Little to do ────────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Little to do ─────────────────────────────────────────────────────────────────────────────────
 
 /// Pulled both ways, a sheet has no wrinkles; all of its energy is that of its wrinkle-free faces.
 #[test]

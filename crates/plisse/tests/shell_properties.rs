@@ -33,7 +33,7 @@ fn root(mut low: f64, mut high: f64, rising: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-// ── A cantilever under its weight ───────────────────────────────────────────────────────────────────────────────────────
+// ── A cantilever under its weight ────────────────────────────────────────────────────────────────
 
 /// Reach, drop and angle (rad) of the tip of the elastica θ″ = −load·(1 − s)·cos θ, θ(0) = 0, θ′(1)
 /// = 0, by shooting with Runge and Kutta's rule; lengths in units of its own, load = q·L³/D for the
@@ -130,7 +130,7 @@ fn the_base_surface_of_a_cantilever_hangs_too_low() {
     }
 }
 
-// ── A hanging chain ─────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── A hanging chain ──────────────────────────────────────────────────────────────────────────────
 
 /// Horizontal tension (N/m) and sag (m) of an elastic catenary of two halves of this length (at
 /// rest) over this half span. In a strip of ν = 0 the tension is Yh/2·(λ² − 1)·λ at stretch λ.
@@ -220,7 +220,7 @@ fn a_hung_strip_is_a_catenary() {
     }
 }
 
-// ── An inflated ball ────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── An inflated ball ─────────────────────────────────────────────────────────────────────────────
 
 /// Stretched by s everywhere, a ball of radius R has the energy 4πR²·h/4·2(α + β)(s² − 1)² −
 /// p·4/3·πR³s³, which is least where p = 2(α + β)·h/R·(s² − 1)/s. Nothing holds it.
@@ -275,7 +275,7 @@ fn an_inflated_ball_has_the_radius_of_a_thin_shell() {
     }
 }
 
-// ── Euler's strip ───────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Euler's strip ────────────────────────────────────────────────────────────────────────────────
 
 /// A strip of 1 m on knife edges (ν = 0): pressed together by 1 − λ² = −2ε it bears Yh·ε, and bends
 /// where that is above π²D/L², that is ε > π²h²/(12L²). Little beyond, it bulges by 2L/π·√(ε − ε₀).
@@ -333,7 +333,7 @@ fn a_strip_buckles_at_eulers_load() {
     }
 }
 
-// ── Honest errors ───────────────────────────────────────────────────────────────────────────────────────────────────────
+// ── Honest errors ────────────────────────────────────────────────────────────────────────────────
 
 #[test]
 fn what_has_no_equilibrium_is_refused() {

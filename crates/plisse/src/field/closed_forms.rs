@@ -46,7 +46,53 @@ impl ClosedForms {
             .collect();
         let wrinkled_edge: Vec<bool> = edge_faces.iter().map(|faces| faces[0] != NONE).collect();
 
-        // Spanning forest of the vertices, breadth first.
+        let tree = VertexForest::new(topology, &wrinkled_edge);
+        let cotree = FaceForest::new(topology, wrinkle_free, &edge_faces, &tree.edges);
+        let mut in_face_tree = vec![false; topology.edge_count()];
+        for &e in cotree.parent_edge.iter().filter(|&&e| e != NONE) {
+            in_face_tree[e] = true;
+        }
+
+        let mut generators = Vec::new();
+        let mut loop_lengths = Vec::new();
+        for e in (0..topology.edge_count())
+            .filter(|&e| wrinkled_edge[e] && !tree.edges[e] && !in_face_tree[e])
+        {
+            generators.push(cotree.extend(topology, &edge_faces, e));
+            loop_lengths.push(tree.loop_length(topology.edges[e]));
+        }
+        let mut on_edge = vec![Vec::new(); topology.edge_count()];
+        for (k, generator) in generators.iter().enumerate() {
+            for &(e, value) in generator {
+                on_edge[e].push((k, value));
+            }
+        }
+        let VertexForest { component, roots, .. } = tree;
+        Self { generators, on_edge, loop_lengths, wrinkled_edge, component, roots }
+    }
+
+    /// Σₖ cₖHₖ on edge `e`, from lower to higher vertex.
+    pub fn on(&self, e: usize, coefficients: &[f64]) -> f64 {
+        self.on_edge[e].iter().map(|&(k, value)| coefficients[k] * f64::from(value)).sum()
+    }
+}
+
+/// Spanning forest of the wrinkled vertices, breadth first.
+struct VertexForest {
+    /// `[V]` connected component; [`NONE`] outside.
+    component: Vec<usize>,
+    /// `[V]` edges between a vertex and its root.
+    depth: Vec<usize>,
+    /// `[V]` next vertex towards the root; [`NONE`] for roots.
+    parent: Vec<usize>,
+    /// `[E]` true for edges of the forest.
+    edges: Vec<bool>,
+    /// `[components]` roots.
+    roots: Vec<usize>,
+}
+
+impl VertexForest {
+    fn new(topology: &Topology, wrinkled_edge: &[bool]) -> Self {
         let mut around: Vec<Vec<(usize, usize)>> = vec![Vec::new(); topology.vertex_count];
         for (e, &[i, j]) in topology.edges.iter().enumerate() {
             if wrinkled_edge[e] {
@@ -54,36 +100,70 @@ impl ClosedForms {
                 around[j].push((i, e));
             }
         }
-        let mut component = vec![NONE; topology.vertex_count];
-        let mut depth = vec![0_usize; topology.vertex_count];
-        let mut parent = vec![NONE; topology.vertex_count];
-        let mut in_tree = vec![false; topology.edge_count()];
-        let mut roots = Vec::new();
+        let mut forest = Self {
+            component: vec![NONE; topology.vertex_count],
+            depth: vec![0; topology.vertex_count],
+            parent: vec![NONE; topology.vertex_count],
+            edges: vec![false; topology.edge_count()],
+            roots: Vec::new(),
+        };
         let mut queue = VecDeque::new();
         for root in 0..topology.vertex_count {
-            if component[root] != NONE || around[root].is_empty() {
+            if forest.component[root] != NONE || around[root].is_empty() {
                 continue;
             }
-            component[root] = roots.len();
+            let component = forest.roots.len();
+            forest.component[root] = component;
             queue.push_back(root);
             while let Some(v) = queue.pop_front() {
                 for &(u, e) in &around[v] {
-                    if component[u] == NONE {
-                        component[u] = roots.len();
-                        depth[u] = depth[v] + 1;
-                        parent[u] = v;
-                        in_tree[e] = true;
+                    if forest.component[u] == NONE {
+                        forest.component[u] = component;
+                        forest.depth[u] = forest.depth[v] + 1;
+                        forest.parent[u] = v;
+                        forest.edges[e] = true;
                         queue.push_back(u);
                     }
                 }
             }
-            roots.push(root);
+            forest.roots.push(root);
         }
+        forest
+    }
 
-        // Spanning forest of the faces that avoids it: from outside first, then from one face of
-        // each closed part.
+    /// Number of edges of the loop that an edge between `i` and `j` closes.
+    fn loop_length(&self, [mut i, mut j]: [usize; 2]) -> usize {
+        let mut length = 1;
+        while i != j {
+            if self.depth[i] < self.depth[j] {
+                std::mem::swap(&mut i, &mut j);
+            }
+            i = self.parent[i];
+            length += 1;
+        }
+        length
+    }
+}
+
+/// Spanning forest of the wrinkled faces that crosses no edge of the vertices' forest: from outside
+/// first, then from one face of each closed part.
+struct FaceForest {
+    /// `[F]` edge towards the root; [`NONE`] for roots that are not on the boundary.
+    parent_edge: Vec<usize>,
+    /// `[F]` position in the order in which faces were reached; [`NONE`] for wrinkle-free ones.
+    order: Vec<usize>,
+}
+
+impl FaceForest {
+    fn new(
+        topology: &Topology,
+        wrinkle_free: &[bool],
+        edge_faces: &[[usize; 2]],
+        in_tree: &[bool],
+    ) -> Self {
         let mut parent_edge = vec![NONE; topology.face_count()];
         let mut order = vec![NONE; topology.face_count()];
+        let mut queue = VecDeque::new();
         let mut reached = 0;
         for e in 0..topology.edge_count() {
             let [f, g] = edge_faces[e];
@@ -114,80 +194,47 @@ impl ClosedForms {
                 queue.push_back(start);
             }
         }
-        let mut in_face_tree = vec![false; topology.edge_count()];
-        for &e in parent_edge.iter().filter(|&&e| e != NONE) {
-            in_face_tree[e] = true;
-        }
+        Self { parent_edge, order }
+    }
 
-        let mut generators = Vec::new();
-        let mut loop_lengths = Vec::new();
-        for e in (0..topology.edge_count())
-            .filter(|&e| wrinkled_edge[e] && !in_tree[e] && !in_face_tree[e])
-        {
-            generators.push(extend(topology, &edge_faces, &parent_edge, &order, e));
-            let [mut i, mut j] = topology.edges[e];
-            let mut length = 1;
-            while i != j {
-                if depth[i] < depth[j] {
-                    std::mem::swap(&mut i, &mut j);
+    /// The closed form that is 1 on `generator`, 0 on all other edges outside the forest: only
+    /// faces between the generator and its root are touched.
+    fn extend(
+        &self,
+        topology: &Topology,
+        edge_faces: &[[usize; 2]],
+        generator: usize,
+    ) -> Vec<(usize, i32)> {
+        let Self { parent_edge, order } = self;
+        let mut value = BTreeMap::from([(generator, 1)]);
+        let mut todo: BTreeSet<(usize, usize)> =
+            edge_faces[generator].iter().filter(|&&f| f != NONE).map(|&f| (order[f], f)).collect();
+        while let Some((_, f)) = todo.pop_last() {
+            let up = parent_edge[f];
+            if up == NONE {
+                continue;
+            }
+            let (mut sum, mut up_sign) = (0, 1);
+            for k in 0..3 {
+                let e = topology.face_edges[f][k];
+                let sign = topology.side_sign(f, k) as i32;
+                if e == up {
+                    up_sign = sign;
+                } else {
+                    sum += sign * value.get(&e).copied().unwrap_or(0);
                 }
-                i = parent[i];
-                length += 1;
             }
-            loop_lengths.push(length);
-        }
-        let mut on_edge = vec![Vec::new(); topology.edge_count()];
-        for (k, generator) in generators.iter().enumerate() {
-            for &(e, value) in generator {
-                on_edge[e].push((k, value));
+            if sum != 0 {
+                value.insert(up, -up_sign * sum);
+                let [a, b] = edge_faces[up];
+                let g = if a == f { b } else { a };
+                if g != NONE {
+                    todo.insert((order[g], g));
+                }
             }
         }
-        Self { generators, on_edge, loop_lengths, wrinkled_edge, component, roots }
+        value.into_iter().filter(|&(_, v)| v != 0).collect()
     }
-
-    /// Σₖ cₖHₖ on edge `e`, from lower to higher vertex.
-    pub fn on(&self, e: usize, coefficients: &[f64]) -> f64 {
-        self.on_edge[e].iter().map(|&(k, value)| coefficients[k] * f64::from(value)).sum()
-    }
-}
-
-/// The closed form that is 1 on `generator`, 0 on all other edges outside the face tree: only faces
-/// between the generator and the tree's root are touched.
-fn extend(
-    topology: &Topology,
-    edge_faces: &[[usize; 2]],
-    parent_edge: &[usize],
-    order: &[usize],
-    generator: usize,
-) -> Vec<(usize, i32)> {
-    let mut value = BTreeMap::from([(generator, 1)]);
-    let mut todo: BTreeSet<(usize, usize)> =
-        edge_faces[generator].iter().filter(|&&f| f != NONE).map(|&f| (order[f], f)).collect();
-    while let Some((_, f)) = todo.pop_last() {
-        let up = parent_edge[f];
-        if up == NONE {
-            continue;
-        }
-        let (mut sum, mut up_sign) = (0, 1);
-        for k in 0..3 {
-            let e = topology.face_edges[f][k];
-            let sign = topology.side_sign(f, k) as i32;
-            if e == up {
-                up_sign = sign;
-            } else {
-                sum += sign * value.get(&e).copied().unwrap_or(0);
-            }
-        }
-        if sum != 0 {
-            value.insert(up, -up_sign * sum);
-            let [a, b] = edge_faces[up];
-            let g = if a == f { b } else { a };
-            if g != NONE {
-                todo.insert((order[g], g));
-            }
-        }
-    }
-    value.into_iter().filter(|&(_, v)| v != 0).collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! First guess of a wrinkle field from the base surface's strain (E.2 of [Chen 2021], with combing
 //! and a weighted fit).
 //!
-//! On a face that is pressed by ε along w, eq. 8 asks for ½a²|dφ|² = ε. The paper shares that out as
-//! a = k√(2ε), |dφ| = 1/k with a fixed k in metres. Here k is [`first_wavelength_m`]/2π, which
+//! On a face that is pressed by ε along w, eq. 8 asks for ½a²|dφ|² = ε. The paper shares that out
+//! as a = k√(2ε), |dφ| = 1/k with a fixed k in metres. Here k is [`first_wavelength_m`]/2π, which
 //! follows the sheet's size and thickness, so that the user's units do not matter.
 
 use super::closest_closed_form::ClosestClosedForm;

@@ -154,8 +154,8 @@ pub struct Solved {
 ///
 /// # Errors
 /// [`Error::Value`] if there is not one entry of `held` and `pose` for each vertex;
-/// [`Error::Setup`] if the sheet is not thin; [`Error::Numeric`] if the energy is not finite (absurd
-/// material or pose).
+/// [`Error::Setup`] if the sheet is not thin; [`Error::Numeric`] if the energy is not finite
+/// (absurd material or pose).
 pub fn solve(
     sheet: &Sheet,
     pose: &[Vec3],

@@ -10,8 +10,8 @@ pub enum WrinkleFreeRule {
     /// positive; then lonely faces leave and lonely holes are filled.
     #[default]
     Paper,
-    /// The rule of the published code: the lower principal strain is not negative, and every face all
-    /// of whose vertices touch such a face.
+    /// The rule of the published code: the lower principal strain is not negative, and every face
+    /// all of whose vertices touch such a face.
     Published,
 }
 

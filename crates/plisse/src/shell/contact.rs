@@ -66,8 +66,8 @@ impl<'a> Barrier<'a> {
         .sum()
     }
 
-    /// Barrier of the obstacles on vertex `v` at `p` (m); `None` if none is near. The Hessian is the true
-    /// one if `exact`, else a positive semidefinite part of it.
+    /// Barrier of the obstacles on vertex `v` at `p` (m); `None` if none is near. The Hessian is
+    /// the true one if `exact`, else a positive semidefinite part of it.
     pub(crate) fn push(&self, v: usize, p: &Vec3, exact: bool) -> Option<Push> {
         let mut push = Push { energy: 0.0, gradient: Vec3::zeros(), hessian: Mat3::zeros() };
         let mut touched = false;

@@ -16,8 +16,8 @@
 //! on the boundary. The energy h³/12·‖II‖²_SV·area is then ½sᵀQs with a constant positive
 //! semidefinite Q, and its Gauss–Newton Hessian is convex without repair.
 //!
-//! The length of n̂ₖ makes the function of θₖ, and all choices agree up to θ³: the average itself, as
-//! in [Chen 2021], gives sin θₖ, the unit average 2·sin(θₖ/2), a part of 1 along the face's own
+//! The length of n̂ₖ makes the function of θₖ, and all choices agree up to θ³: the average itself,
+//! as in [Chen 2021], gives sin θₖ, the unit average 2·sin(θₖ/2), a part of 1 along the face's own
 //! normal 2·tan(θₖ/2). But the first lets a fold beyond a right angle shut for nothing, and the
 //! second changes its sign at θ = ±π: where a face comes to lie on its neighbour the energy has a
 //! jump, from which no Newton step leads on. The tangent grows without bound there and keeps the

@@ -25,8 +25,8 @@ impl Clamps {
         self.targets[v] = [Some(position.x), Some(position.y), Some(position.z)];
     }
 
-    /// `[V][3]` numbers of the free coordinates, vertex by vertex, [`NONE`] for held ones; and their
-    /// count.
+    /// `[V][3]` numbers of the free coordinates, vertex by vertex, [`NONE`] for held ones; and
+    /// their count.
     pub(crate) fn free_coordinates(&self) -> (Vec<[usize; 3]>, usize) {
         let mut count = 0;
         let mut number = |target: Option<f64>| {
@@ -115,8 +115,8 @@ impl<'a> Setup<'a> {
     /// All checks that the solvers need.
     ///
     /// # Errors
-    /// [`SetupError`] if the sheet is not thin, pressure acts on an open surface, or nothing holds it
-    /// against drifting away.
+    /// [`SetupError`] if the sheet is not thin, pressure acts on an open surface, or nothing holds
+    /// it against drifting away.
     pub(super) fn check(&self) -> Result<()> {
         self.sheet.material.check_thin(self.sheet.rest.area_m2())?;
         if self.loads.pressure_pa != 0.0

@@ -40,7 +40,8 @@ pub struct Upsampled {
 const CORNER_ANGLE: f64 = std::f64::consts::FRAC_PI_4;
 
 impl Upsampled {
-    /// `[F][3]` phase (rad) at the corners of each face; NaN on wrinkle-free faces, which have none.
+    /// `[F][3]` phase (rad) at the corners of each face; NaN on wrinkle-free faces, which have
+    /// none.
     pub fn visible_phase(&self) -> Vec<[f64; 3]> {
         let corners = self.phase.iter().zip(&self.wrinkle_free);
         corners.map(|(&phase, &free)| if free { [f64::NAN; 3] } else { phase }).collect()
