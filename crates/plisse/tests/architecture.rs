@@ -185,3 +185,55 @@ fn comments_strings_and_test_items_are_not_read() {
         ["d", "f"]
     );
 }
+
+/// Files of the crates with one of these extensions, and their text.
+fn files(extensions: &[&str]) -> Vec<(PathBuf, String)> {
+    let (mut list, mut folders) = (Vec::new(), vec![root().join("crates")]);
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|x| e == *x)) {
+                list.push((path.clone(), read(path)));
+            }
+        }
+    }
+    list
+}
+
+#[test]
+fn no_line_has_more_than_100_columns() {
+    let mut wide = Vec::new();
+    for (path, text) in files(&["rs", "wgsl"]) {
+        let lines = text.lines().enumerate().filter(|(_, line)| line.chars().count() > 100);
+        wide.extend(lines.map(|(at, _)| format!("{}:{}", path.display(), at + 1)));
+    }
+    assert!(wide.is_empty(), "{} lines are too wide:\n{}", wide.len(), wide.join("\n"));
+}
+
+/// Comments that begin with a question word instead of the noun they are about; there were 639.
+#[test]
+fn doc_comments_begin_with_the_noun() {
+    const MOST: usize = 150;
+    let words = ["What", "Whether", "How", "Where", "Which", "Who", "Why"];
+    let doc = |line: &str| line.starts_with("///") || line.starts_with("//!");
+    let mut found = Vec::new();
+    for (path, text) in files(&["rs"]) {
+        let mut before = "";
+        for (at, line) in text.lines().map(str::trim_start).enumerate() {
+            if doc(line) && !doc(before) {
+                let text = line[3..].trim_start();
+                // After the shape of an array.
+                let text = match text.strip_prefix("`[").and_then(|rest| rest.split_once("` ")) {
+                    Some((_, rest)) => rest,
+                    None => text,
+                };
+                if words.contains(&text.split(' ').next().unwrap_or_default()) {
+                    found.push(format!("{}:{}", path.display(), at + 1));
+                }
+            }
+            before = line;
+        }
+    }
+    assert!(found.len() <= MOST, "{} of them, {MOST} allowed:\n{}", found.len(), found.join("\n"));
+}
