@@ -100,7 +100,8 @@ impl Profile {
     /// The profile in the text file `path`, as [`Profile::parse`] takes it.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read; [`Error::Value`] naming the file, as [`Profile::parse`].
+    /// [`Error::File`] if it cannot be read; [`Error::Value`] naming the file, as
+    /// [`Profile::parse`].
     pub fn read(path: &Path) -> Result<Self> {
         let text = plisse::io::disk::read_text(path).map_err(|e| Error::reading(path, e))?;
         Self::parse(&text).map_err(|error| match error {

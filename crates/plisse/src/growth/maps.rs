@@ -150,8 +150,8 @@ impl GrowthMaps {
     /// Checks that a surface of `n` vertices can grow like this.
     ///
     /// # Errors
-    /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or the band; or if
-    /// everything is frozen.
+    /// [`Error::Value`] naming the map and the vertex whose value cannot be used, or the band; or
+    /// if everything is frozen.
     pub(super) fn check(&self, n: usize) -> Result<()> {
         if self.vertices.len() != n {
             let message =

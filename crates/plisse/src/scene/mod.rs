@@ -1,11 +1,11 @@
 //! Scenes: a TOML file with panels, seams, clamps, loads and options of the solves, and with
 //! published results to compare with.
 //!
-//! [`schema`] is the content of the file. [`read`](mod@read) makes it from text and explains errors.
-//! [`mod@build`] makes the sheet, its start pose, clamps and loads. [`solve_base`] solves the base
-//! surface (of a fine mesh by way of a coarse one), [`solve`](fn@solve) the wrinkle field on it, too.
-//! [`measure`](mod@measure) compares the field with published numbers. [`growth`] does the same for
-//! a surface that grows. `docs/scene-format.md` describes every field.
+//! [`schema`] is the content of the file. [`read`](mod@read) makes it from text and explains
+//! errors. [`mod@build`] makes the sheet, its start pose, clamps and loads. [`solve_base`] solves
+//! the base surface (of a fine mesh by way of a coarse one), [`solve`](fn@solve) the wrinkle field
+//! on it, too. [`measure`](mod@measure) compares the field with published numbers. [`growth`] does
+//! the same for a surface that grows. `docs/scene-format.md` describes every field.
 //!
 //! Order of the files; each uses only those before it: `value` (checks of single values), `schema`,
 //! `reference` (names and paths), `placed` (the surface in space), `closed`, `panels` and `garment`

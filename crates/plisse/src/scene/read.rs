@@ -43,9 +43,9 @@ pub fn read(path: impl AsRef<Path>) -> Result<Scene> {
 ///
 /// # Errors
 /// [`Error::Parse`] with the line for: wrong TOML, an unknown or missing field, a value of the
-/// wrong type. [`Error::Value`] whose field is "path, dotted.field" for: a number that is not finite or
-/// out of its range, a name that is used twice or that nothing has, a size that the panel's shape
-/// asks for or does not have.
+/// wrong type. [`Error::Value`] whose field is "path, dotted.field" for: a number that is not
+/// finite or out of its range, a name that is used twice or that nothing has, a size that the
+/// panel's shape asks for or does not have.
 pub fn parse(path: impl AsRef<Path>, text: &str) -> Result<Scene> {
     let path = path.as_ref();
     // The byte order mark is replaced by a blank, so that offsets stay on their lines.

@@ -88,8 +88,8 @@ impl AdaptOptions {
     ///
     /// # Errors
     /// [`Error::Value`] for options out of range, for folds too narrow for
-    /// [`AdaptOptions::most_vertices`], for plasticity; else as [`GrowingSurface::check`], but faces
-    /// may be of any size.
+    /// [`AdaptOptions::most_vertices`], for plasticity; else as [`GrowingSurface::check`], but
+    /// faces may be of any size.
     pub fn check(&self, surface: &GrowingSurface, options: &GrowthOptions) -> Result<()> {
         surface.check_start()?;
         surface.check_maps()?;

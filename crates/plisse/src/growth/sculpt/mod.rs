@@ -5,8 +5,8 @@
 //! under the brush; then the film around it, up to [`SculptOptions::near`] wavelengths beyond,
 //! takes a few Newton steps from its present pose. All vertices outside are constants of that small
 //! problem: they keep their place to the bit, and their number costs nothing. After a stroke,
-//! [`Sculpture::equilibrate`] brings the touched vertices, and [`SculptOptions::margin`] wavelengths
-//! around them, to equilibrium.
+//! [`Sculpture::equilibrate`] brings the touched vertices, and [`SculptOptions::margin`]
+//! wavelengths around them, to equilibrium.
 //!
 //! Contact with obstacles is as stiff as the piece that is solved is small, to a thousandth of its
 //! stretching stiffness; weight is exact.
