@@ -5,6 +5,8 @@
 //!
 //! [Loviscach 2006]: https://doi.org/10.1111/j.1467-8659.2006.00966.x
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::fs::{File, create_dir_all};
 use std::io::BufWriter;

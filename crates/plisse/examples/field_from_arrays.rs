@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release --example field_from_arrays`
 
+#![allow(clippy::print_stdout)]
+
 use std::path::Path;
 
 use plisse::prelude::*;

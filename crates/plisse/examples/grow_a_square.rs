@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release --example grow_a_square`
 
+#![allow(clippy::print_stdout)]
+
 use std::path::Path;
 
 use plisse::growth::grow;

@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release --example solve_scene -- [SCENE.toml]`
 
+#![allow(clippy::print_stdout)]
+
 use std::path::Path;
 
 use plisse::prelude::*;
@@ -12,7 +14,7 @@ struct Printed;
 
 impl Observer for Printed {
     fn step(&self, step: &Step) {
-        if step.iteration % 10 == 0 {
+        if step.iteration.is_multiple_of(10) {
             println!("{} {}: {:.6e} J", step.stage, step.iteration, step.energy_joule);
         }
     }

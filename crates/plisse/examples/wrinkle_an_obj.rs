@@ -3,6 +3,8 @@
 //!
 //! `cargo run --release --example wrinkle_an_obj -- REST.obj POSE.obj`
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::fs::File;
 use std::io::BufWriter;

@@ -78,9 +78,9 @@ impl BuiltGrowth {
 /// The scene ready to grow. Clamps freeze what they hold.
 ///
 /// # Errors
-/// As [`super::build()`], but nothing must be held; [`Error::Value`] if the scene does not grow,
-/// has a clamp that moves, pressure, a map whose image cannot be read or lies on nothing, an
-/// expansion that is none, folds narrower than the mesh can carry, all frozen.
+/// As [`build`](fn@crate::scene::build), but nothing must be held; [`Error::Value`] if the scene
+/// does not grow, has a clamp that moves, pressure, a map whose image cannot be read or lies on
+/// nothing, an expansion that is none, folds narrower than the mesh can carry, all frozen.
 pub fn build_growth(scene: &Scene) -> Result<BuiltGrowth> {
     let Some(table) = &scene.growth else {
         let message = "the scene does not say how it grows; add [growth]";
