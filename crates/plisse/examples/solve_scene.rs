@@ -25,7 +25,7 @@ fn main() -> plisse::Result<()> {
     let scene = scene::read(file.as_deref().unwrap_or("examples/02-stretched-sheet.toml"))?;
     let solved = scene::solve(&scene, &SolveOptions::default(), &Printed)?;
     for measure in &solved.measures {
-        println!("{}: {:.3}, published {:?}", measure.name, measure.value, measure.published);
+        println!("{}: {:.5}, published {:?}", measure.name, measure.value, measure.published);
     }
     for file in solved.save(Path::new("out/solve_scene"))? {
         println!("{}", file.display());
