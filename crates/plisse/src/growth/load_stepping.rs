@@ -144,6 +144,26 @@ pub struct LoadSteps<'a> {
 
 /// The folded surface (`[V]`, m).
 ///
+/// ```
+/// use plisse::growth::grow;
+/// use plisse::prelude::*;
+/// # let at = |v: usize| Vec3::new(0.05 * (v % 21) as f64, 0.05 * (v / 21) as f64, 0.0);
+/// # let start: Vec<Vec3> = (0..189).map(at).collect();
+/// # let squares = (0..168).filter(|v| v % 21 != 20);
+/// # let faces: Vec<[usize; 3]> =
+/// #     squares.flat_map(|v| [[v, v + 1, v + 22], [v, v + 22, v + 21]]).collect();
+/// # let sheet = Sheet::from_rest(start.clone(), faces, Material::new(1e5, 0.3, 1e-3)?)?;
+/// // A strip of 1 m × 0.4 m grows by 20 % along x, between ends that stay where they are.
+/// let (along, factors) = (vec![Vec3::x(); start.len()], vec![1.2; start.len()]);
+/// let expansion = Expansion::from_directions(&sheet.topology, &start, &along, &factors)?;
+/// let maps = GrowthMaps::even(&expansion, 0.5, 0.0);
+/// let mut surface = GrowingSurface::new(sheet.topology, sheet.rest, start, maps);
+/// surface.freeze(|_, p| p.x < 1e-9 || p.x > 1.0 - 1e-9);
+/// let (folded, _) = grow(&surface, &GrowthOptions::default(), &Silent)?;
+/// assert!(folded.iter().any(|p| p.z.abs() > 0.05));
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
 /// [`crate::Error::Value`] or [`crate::Error::Mesh`] if something asked for cannot be;
 /// [`crate::Error::Numeric`] if a step has no finite energy.

@@ -72,6 +72,14 @@ pub fn read_pose(path: &Path, rest: &Obj) -> Result<Obj> {
 
 /// Reads OBJ `text`; `path` is named in errors only.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// let mesh = plisse::io::obj::parse(Path::new("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")?;
+/// assert_eq!((mesh.positions.len(), mesh.faces), (3, vec![[0, 1, 2]]));
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::Parse`] with the line for: empty text, no vertex, no face, a coordinate that is
 /// missing, not a number or not finite, a face with fewer than three (different) corners, an index

@@ -46,6 +46,23 @@ pub struct SolvedScene {
 
 /// Builds and solves `scene`.
 ///
+/// ```
+/// use plisse::progress::Silent;
+/// use plisse::scene::{SolveOptions, parse, solve};
+///
+/// let text = r#"
+///     title = "a strip, pulled"
+///     material = { young_pa = 1e6, poisson = 0.5, thickness_m = 1e-4 }
+///     panel = [{ name = "p", shape = "rectangle", width_m = 0.3, height_m = 0.1,
+///                edge_length_m = 0.03 }]
+///     clamp = [{ side = "p.left" }, { side = "p.right", move_m = [0.02, 0.0, 0.0] }]
+/// "#;
+/// let scene = parse("strip.toml", text)?;
+/// let solved = solve(&scene, &SolveOptions::default(), &Silent)?;
+/// assert_eq!(solved.pose.len(), solved.field.amplitude_m.len());
+/// # Ok::<(), plisse::Error>(())
+/// ```
+///
 /// # Errors
 /// Those of [`build_with`], [`solve_base`] and [`field::solve`].
 pub fn solve(
