@@ -1,4 +1,4 @@
-//! What a glTF file names: other files, or bytes written into the name.
+//! URIs of a glTF file: other files, or bytes written into the URI.
 
 use std::path::Path;
 
