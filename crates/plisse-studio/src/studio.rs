@@ -478,7 +478,7 @@ impl Studio {
     /// Takes a file that was read again; paint is kept if the mesh is the same.
     fn reloaded(&mut self, subject: Subject, path: &Path) {
         let document = &self.session.document;
-        let (old, new) = (&document.subject.unified, &subject.unified);
+        let (old, new) = (&document.subject.welded, &subject.welded);
         let same = new.count() == old.count() && new.faces == old.faces;
         let mut fresh = Document::new(subject);
         if same {

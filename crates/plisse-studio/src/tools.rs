@@ -67,7 +67,7 @@ impl Tools {
     /// Begins a stroke, or continues the current one, at `pointer` (shares of the picture's width
     /// and height).
     pub(crate) fn stroke(&mut self, subject: &Subject, frame: &RenderedFrame, pointer: Vec2) {
-        if frame.posed.positions.len() != subject.unified.count() {
+        if frame.posed.positions.len() != subject.welded.count() {
             return;
         }
         let vertex_faces = Arc::clone(&self.vertex_faces);
@@ -123,7 +123,7 @@ impl Tools {
 }
 
 fn vertex_faces(subject: &Subject) -> VertexFaces {
-    VertexFaces::new(&subject.unified.faces, subject.unified.count())
+    VertexFaces::new(&subject.welded.faces, subject.welded.count())
 }
 
 fn canvas<'a>(
@@ -131,5 +131,5 @@ fn canvas<'a>(
     vertex_faces: &'a VertexFaces,
     posed: &'a PosedVertices,
 ) -> Canvas<'a> {
-    Canvas { unified: &subject.unified, vertex_faces, posed: &posed.positions }
+    Canvas { welded: &subject.welded, vertex_faces, posed: &posed.positions }
 }

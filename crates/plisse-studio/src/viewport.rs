@@ -125,7 +125,7 @@ impl Viewport {
         request_repaint: Arc<dyn Fn() + Send + Sync>,
         document: &Document,
     ) -> Self {
-        let positions = &document.subject.unified.vertices.positions;
+        let positions = &document.subject.welded.vertices.positions;
         Self {
             render_thread: RenderThread::new(graphics, move || request_repaint()),
             frame: None,
@@ -179,7 +179,7 @@ impl Viewport {
                 let (subject, settings) = (&document.subject, &document.settings);
                 let clip = settings.clip.as_deref().and_then(|c| subject.model.clip(Some(c)));
                 let pose = pose(&subject.model, clip, settings.time_s);
-                skin(&subject.unified.vertices, &pose).positions
+                skin(&subject.welded.vertices, &pose).positions
             }
         };
         self.orbit = OrbitCamera::fit(&positions, self.orbit.yaw_rad, self.orbit.pitch_rad, aspect);
@@ -198,7 +198,7 @@ impl Viewport {
         match &self.frame {
             Some(frame) => Arc::clone(&frame.posed),
             None => {
-                let v = &subject.unified.vertices;
+                let v = &subject.welded.vertices;
                 Arc::new(PosedVertices {
                     positions: v.positions.clone(),
                     normals: v.normals.clone(),

@@ -27,8 +27,8 @@ fn stroke(
     to: [f32; 2],
 ) {
     let subject = document.subject.clone();
-    let surface = VertexFaces::new(&subject.unified.faces, subject.unified.count());
-    let canvas = Canvas { unified: &subject.unified, vertex_faces: &surface, posed };
+    let surface = VertexFaces::new(&subject.welded.faces, subject.welded.count());
+    let canvas = Canvas { welded: &subject.welded, vertex_faces: &surface, posed };
     let at = |k: usize| Vec2::from(from) + (Vec2::from(to) - Vec2::from(from)) * (k as f32 / 4.0);
     let mut trail = Trail::begin(brush.clone(), &canvas, camera, at(0));
     (1..=4).for_each(|k| trail.extend(&canvas, camera, at(k)));
@@ -46,8 +46,8 @@ fn bits(document: &Document) -> Vec<[u32; 4]> {
 #[test]
 fn a_stroke_changes_exactly_the_vertices_under_it() {
     let mut document = document("square");
-    let unified = document.subject.unified.clone();
-    let x = unified.vertices.positions.clone();
+    let welded = document.subject.welded.clone();
+    let x = welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
     for (layer, value) in [
         (Layer::Wrinkles, 0.6),
@@ -64,7 +64,7 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
             .stroke
             .dabs
             .iter()
-            .map(|dab| Hit::on(dab.face as usize, dab.weights, &x, &unified.faces).position)
+            .map(|dab| Hit::on(dab.face as usize, dab.weights, &x, &welded.faces).position)
             .collect();
         assert!(
             dabs.len() > 5 && dabs.windows(2).all(|d| (d[1] - d[0]).norm() < 0.17 * 0.5),
@@ -93,7 +93,7 @@ fn a_stroke_changes_exactly_the_vertices_under_it() {
 #[test]
 fn undo_and_redo_restore_every_bit() {
     let mut document = document("sleeve");
-    let x = document.subject.unified.vertices.positions.clone();
+    let x = document.subject.welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.3, 0.2, 1.4);
     let mut states = vec![bits(&document)];
     let brushes = [
@@ -139,7 +139,7 @@ fn undo_and_redo_restore_every_bit() {
 #[test]
 fn one_stroke_goes_no_farther_than_its_strength() {
     let mut document = document("square");
-    let x = document.subject.unified.vertices.positions.clone();
+    let x = document.subject.welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
     let brush = Brush {
         layer: Layer::Freeze,
@@ -149,8 +149,8 @@ fn one_stroke_goes_no_farther_than_its_strength() {
         ..Brush::new(0.2)
     };
     let subject = document.subject.clone();
-    let surface = VertexFaces::new(&subject.unified.faces, subject.unified.count());
-    let canvas = Canvas { unified: &subject.unified, vertex_faces: &surface, posed: &x };
+    let surface = VertexFaces::new(&subject.welded.faces, subject.welded.count());
+    let canvas = Canvas { welded: &subject.welded, vertex_faces: &surface, posed: &x };
     // To and fro, five times.
     let mut trail = Trail::begin(brush, &canvas, &camera, Vec2::new(0.4, 0.5));
     for k in 0..10 {
@@ -174,7 +174,7 @@ fn angles(
     let subject = document.subject.clone();
     let clip = time_s.and_then(|_| subject.model.clips.first());
     let standing = pose(&subject.model, clip, time_s.unwrap_or(0.0));
-    let posed = skin(&subject.unified.vertices, &standing);
+    let posed = skin(&subject.welded.vertices, &standing);
     let camera = Camera::fit(posed.positions.iter(), 0.1, 0.1, 1.2);
     let radius_m = share * subject.size_m();
     let brush = Brush { value: 0.95, ..Brush::new(radius_m) };
@@ -182,11 +182,11 @@ fn angles(
     stroke(&mut document, &brush, &posed.positions, &camera, from, to);
     let mut state = LiveState::default();
     for _ in 0..10 {
-        state.step(&subject.unified, &standing, &document.live_options());
+        state.step(&subject.welded, &standing, &document.live_options());
     }
     let change = document.history.done().last().unwrap();
     let place = |dab: &Dab| {
-        Hit::on(dab.face as usize, dab.weights, &posed.positions, &subject.unified.faces).position
+        Hit::on(dab.face as usize, dab.weights, &posed.positions, &subject.welded.faces).position
     };
     let dabs: Vec<Vec3> = change.stroke.dabs.iter().map(place).collect();
     let mut found = Vec::new();
@@ -253,7 +253,7 @@ fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
     }
     // Shown to fail: across the stroke is not along it.
     let mut crossed = document("curtain");
-    let x = crossed.subject.unified.vertices.positions.clone();
+    let x = crossed.subject.welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
     stroke(
         &mut crossed,
@@ -276,7 +276,7 @@ fn live_wrinkles_follow_painted_folds_on_a_curtain_and_a_sleeve() {
 fn strokes_cross_texture_seams() {
     let mut document = document("sleeve");
     let subject = document.subject.clone();
-    let x = subject.unified.vertices.positions.clone();
+    let x = subject.welded.vertices.positions.clone();
     // The seam runs along +y.
     let camera = Camera::fit(x.iter(), 0.0, 1.4, 1.4);
     stroke(&mut document, &Brush::new(0.05), &x, &camera, [0.5, 0.46], [0.5, 0.54]);
@@ -284,8 +284,8 @@ fn strokes_cross_texture_seams() {
     let side = |sign: f32| touched.iter().filter(|&&v| sign * x[v as usize].z > 0.01).count();
     assert!(side(1.0) >= 3 && side(-1.0) >= 3, "{} and {}", side(1.0), side(-1.0));
     // Both of the seam's draw vertices have what their place has.
-    let split = (0..subject.unified.count() as u32)
-        .filter(|v| subject.unified.vertex_of_draw.iter().filter(|u| *u == v).count() > 1);
+    let split = (0..subject.welded.count() as u32)
+        .filter(|v| subject.welded.vertex_of_draw.iter().filter(|u| *u == v).count() > 1);
     assert!(split.filter(|v| touched.contains(v)).count() >= 2);
 }
 
@@ -294,7 +294,7 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
     let folder = std::env::temp_dir().join(format!("plisse-studio-save-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let mut document = document("curtain");
-    let x = document.subject.unified.vertices.positions.clone();
+    let x = document.subject.welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.1, 0.2, 1.0);
     for (layer, value) in
         [(Layer::Wrinkles, 0.71), (Layer::Expansion, 0.333), (Layer::Wavelength, 0.123)]
@@ -342,7 +342,7 @@ fn documents_come_back_to_the_bit_and_bad_ones_are_told() {
 #[test]
 fn paint_maps_hold_what_is_painted_at_its_place() {
     let mut document = document("square");
-    let x = document.subject.unified.vertices.positions.clone();
+    let x = document.subject.welded.vertices.positions.clone();
     let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.0);
     let brush =
         Brush { layer: Layer::Freeze, value: 1.0, falloff: Falloff::Hard, ..Brush::new(0.25) };
@@ -356,7 +356,7 @@ fn paint_maps_hold_what_is_painted_at_its_place() {
             continue;
         }
         let painted =
-            document.layers.of(Layer::Freeze)[subject.unified.vertex_of_draw[draw] as usize][0];
+            document.layers.of(Layer::Freeze)[subject.welded.vertex_of_draw[draw] as usize][0];
         let found = map.texels[v * 64 + u].unwrap()[0];
         assert!((found - painted).abs() < 0.3, "{draw}: {found} for {painted}");
     }
@@ -369,7 +369,7 @@ fn paint_maps_hold_what_is_painted_at_its_place() {
             "bare",
             x.clone(),
             vec![Vec2::zeros(); x.len()],
-            document.subject.unified.faces.clone(),
+            document.subject.welded.faces.clone(),
         ),
     ));
     assert!(

@@ -2,7 +2,7 @@
 //! from there ([`reach`]), the effect of dabs on the layers ([`painting`]), and the dabs of a
 //! moving pointer ([`trail`]).
 //!
-//! Everything works on unified vertices, so that texture seams do not stop a stroke. Knows no
+//! Everything works on welded vertices, so that texture seams do not stop a stroke. Knows no
 //! window.
 
 pub mod painting;

@@ -23,7 +23,7 @@ const MIRROR_TOLERANCE: f32 = 0.02;
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The mesh.
-    pub unified: &'a WeldedMesh,
+    pub welded: &'a WeldedMesh,
     /// The faces around its vertices.
     pub vertex_faces: &'a VertexFaces,
     /// `[U]` posed positions (m).
@@ -34,7 +34,7 @@ impl Canvas<'_> {
     /// `direction` (posed, along face `f`) in the rest pose, of any length; zero where the face has
     /// no area.
     pub fn to_rest(&self, f: usize, direction: &Vec3) -> Vec3 {
-        let [a, b, c] = self.unified.faces[f].map(|v| v as usize);
+        let [a, b, c] = self.welded.faces[f].map(|v| v as usize);
         let (u, v) = (self.posed[b] - self.posed[a], self.posed[c] - self.posed[a]);
         let (uu, uv, vv) = (u.dot(&u), u.dot(&v), v.dot(&v));
         let determinant = uu * vv - uv * uv;
@@ -42,13 +42,13 @@ impl Canvas<'_> {
             return Vec3::zeros();
         }
         let (du, dv) = (direction.dot(&u), direction.dot(&v));
-        let x = &self.unified.vertices.positions;
+        let x = &self.welded.vertices.positions;
         ((x[b] - x[a]) * (vv * du - uv * dv) + (x[c] - x[a]) * (uu * dv - uv * du)) / determinant
     }
 
     /// Unit normal of face `f` at rest.
     fn rest_normal(&self, f: usize) -> Vec3 {
-        let [a, b, c] = self.unified.faces[f].map(|v| self.unified.vertices.positions[v as usize]);
+        let [a, b, c] = self.welded.faces[f].map(|v| self.welded.vertices.positions[v as usize]);
         (b - a).cross(&(c - a)).try_normalize(1e-30).unwrap_or_else(Vec3::z)
     }
 }
@@ -80,7 +80,7 @@ pub struct Painting {
 const NONE: u32 = u32::MAX;
 
 impl Painting {
-    /// A stroke with `brush` on a model of `count` unified vertices, before its first dab.
+    /// A stroke with `brush` on a model of `count` welded vertices, before its first dab.
     pub fn new(brush: Brush, count: usize) -> Self {
         Self {
             brush,
@@ -109,7 +109,7 @@ impl Painting {
             Mirror::Y => 1,
             Mirror::Z => 2,
         };
-        let (x, faces) = (&canvas.unified.vertices.positions, &canvas.unified.faces);
+        let (x, faces) = (&canvas.welded.vertices.positions, &canvas.welded.faces);
         let [low, high] = *self.rest_box.get_or_insert_with(|| bounds(x));
         let mut place = Hit::on(hit.face, hit.weights, x, faces).position;
         place[axis] = low[axis] + high[axis] - place[axis];
@@ -120,7 +120,7 @@ impl Painting {
         let Some(middle) = (0..x.len() as u32).min_by(|a, b| far(a).total_cmp(&far(b))) else {
             return;
         };
-        let ring = canvas.unified.around(middle as usize).iter().chain([&middle]);
+        let ring = canvas.welded.around(middle as usize).iter().chain([&middle]);
         let some = ring.flat_map(|&v| canvas.vertex_faces.around(v).iter().copied());
         if let Some(other) = nearest_among(x, faces, some, &place)
             .filter(|h| h.distance_m <= MIRROR_TOLERANCE * (high - low).norm())
@@ -132,7 +132,7 @@ impl Painting {
 
     /// Gives every vertex within reach its weight. `course` is in the rest pose.
     fn spread(&mut self, canvas: &Canvas<'_>, layers: &Layers, hit: &Hit, course: Vec3) {
-        let unified = canvas.unified;
+        let welded = canvas.welded;
         let normal = canvas.rest_normal(hit.face);
         let flat = course - normal * normal.dot(&course);
         let unit = flat.try_normalize(1e-20).unwrap_or_else(Vec3::zeros);
@@ -159,7 +159,7 @@ impl Painting {
                 ));
             }
             let touch = &mut self.touches[*slot as usize].1;
-            let up = unified.vertices.normals[v as usize];
+            let up = welded.vertices.normals[v as usize];
             let there = Rotation3::rotation_between(&normal, &up)
                 .map_or(direction, |turn| turn * direction);
             let there =
@@ -176,7 +176,7 @@ impl Painting {
         for (v, touch) in self.touches.iter_mut().filter(|(_, touch)| touch.is_new) {
             touch.is_new = false;
             values[*v as usize] =
-                painted(&self.brush, touch, &canvas.unified.vertices.normals[*v as usize]);
+                painted(&self.brush, touch, &canvas.welded.vertices.normals[*v as usize]);
         }
     }
 

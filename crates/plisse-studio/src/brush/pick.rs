@@ -167,8 +167,8 @@ mod tests {
     #[test]
     fn a_ray_through_a_point_meets_it() {
         let model = models::sleeve();
-        let unified = WeldedMesh::new(&model, 1e-5);
-        let (x, faces) = (&unified.vertices.positions, &unified.faces);
+        let welded = WeldedMesh::new(&model, 1e-5);
+        let (x, faces) = (&welded.vertices.positions, &welded.faces);
         let camera = Camera::fit(x.iter(), 0.4, 0.2, 1.3);
         let mut met = 0;
         for f in (0..faces.len()).step_by(7) {
@@ -187,8 +187,8 @@ mod tests {
 
     #[test]
     fn faces_between_two_rays_are_all_that_rays_between_them_meet() {
-        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
-        let (x, faces) = (&unified.vertices.positions, &unified.faces);
+        let welded = WeldedMesh::new(&models::sleeve(), 1e-5);
+        let (x, faces) = (&welded.vertices.positions, &welded.faces);
         let camera = Camera::fit(x.iter(), 0.4, 0.2, 1.3);
         let ray = |t: f32| Ray::through(&camera, Vec2::new(0.2 + 0.6 * t, 0.4 + 0.25 * t)).unwrap();
         let some = between(x, faces, &ray(0.0), &ray(1.0));

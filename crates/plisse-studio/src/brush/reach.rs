@@ -60,9 +60,9 @@ mod tests {
 
     #[test]
     fn on_a_flat_square_distances_are_straight() {
-        let unified = WeldedMesh::new(&models::square().unwrap(), 1e-5);
-        let (x, faces) = (&unified.vertices.positions, &unified.faces);
-        let surface = VertexFaces::new(faces, unified.count());
+        let welded = WeldedMesh::new(&models::square().unwrap(), 1e-5);
+        let (x, faces) = (&welded.vertices.positions, &welded.faces);
+        let surface = VertexFaces::new(faces, welded.count());
         for place in [Vec3::new(0.31, 0.42, 0.0), Vec3::new(0.02, 0.97, 0.0), x[5]] {
             let from = nearest(x, faces, &place).unwrap();
             let found = surface.reach(x, &from, 0.4, &mut Reach::new(x.len()));
@@ -78,9 +78,9 @@ mod tests {
 
     #[test]
     fn around_a_sleeve_distances_follow_the_cloth_and_not_the_air() {
-        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
-        let (x, faces) = (&unified.vertices.positions, &unified.faces);
-        let surface = VertexFaces::new(faces, unified.count());
+        let welded = WeldedMesh::new(&models::sleeve(), 1e-5);
+        let (x, faces) = (&welded.vertices.positions, &welded.faces);
+        let surface = VertexFaces::new(faces, welded.count());
         let from = nearest(x, faces, &Vec3::new(0.3, 0.06, 0.0)).unwrap();
         let found = surface.reach(x, &from, 0.3, &mut Reach::new(x.len()));
         // The far side lies π·6 cm away, 12 cm through the air; the mesh has 20 sides, which

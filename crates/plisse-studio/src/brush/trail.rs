@@ -34,7 +34,7 @@ pub struct Trail {
 impl Trail {
     /// Begins a stroke at `pointer`.
     pub fn begin(brush: Brush, canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Self {
-        let painting = Painting::new(brush, canvas.unified.count());
+        let painting = Painting::new(brush, canvas.welded.count());
         let hit = hit(canvas, camera, pointer);
         Self {
             painting,
@@ -61,7 +61,7 @@ impl Trail {
         // A large mesh is searched once, not for every part.
         let rays = [from, pointer].map(|p| Ray::through(camera, p));
         let some = match (rays, parts) {
-            ([Some(a), Some(b)], 2..) => between(canvas.posed, &canvas.unified.faces, &a, &b),
+            ([Some(a), Some(b)], 2..) => between(canvas.posed, &canvas.welded.faces, &a, &b),
             _ => Vec::new(),
         };
         for part in 1..=parts {
@@ -70,7 +70,7 @@ impl Trail {
                 target
             } else {
                 Ray::through(camera, at).and_then(|ray| {
-                    pick_among(canvas.posed, &canvas.unified.faces, some.iter().copied(), &ray)
+                    pick_among(canvas.posed, &canvas.welded.faces, some.iter().copied(), &ray)
                 })
             };
             self.reach(camera, hit, spacing_m);
@@ -155,7 +155,7 @@ impl Trail {
 
 /// The point of the surface under `pointer`.
 pub fn hit(canvas: &Canvas<'_>, camera: &Camera, pointer: Vec2) -> Option<Hit> {
-    pick(canvas.posed, &canvas.unified.faces, &Ray::through(camera, pointer)?)
+    pick(canvas.posed, &canvas.welded.faces, &Ray::through(camera, pointer)?)
 }
 
 /// Right and up of the screen, in the world.

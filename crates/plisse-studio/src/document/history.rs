@@ -17,7 +17,7 @@ pub struct Change {
 /// The change of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexChange {
-    /// The unified vertex.
+    /// The welded vertex.
     pub vertex: u32,
     /// Its numbers before.
     pub before: [f32; 4],

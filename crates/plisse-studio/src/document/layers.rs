@@ -1,4 +1,4 @@
-//! The painted layers: five sets of numbers for each unified vertex.
+//! The painted layers: five sets of numbers for each welded vertex.
 
 use plisse_live::Vec3;
 use plisse_live::wavelength::LEAST_SHARE;
@@ -76,7 +76,7 @@ pub struct Range {
     pub unit: &'static str,
 }
 
-/// The layers of a model with `U` unified vertices.
+/// The layers of a model with `U` welded vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
     /// `[layer][U]` numbers, layers in the order of [`Layer::ALL`].
@@ -84,7 +84,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Unpainted layers of `count` unified vertices.
+    /// Unpainted layers of `count` welded vertices.
     pub fn neutral(count: usize) -> Self {
         Self { values: Layer::ALL.map(|layer| vec![layer.neutral(); count]) }
     }

@@ -38,7 +38,7 @@ pub fn paint_map(document: &Document, layer: Layer, size: usize) -> Result<Paint
     })?;
     let (values, model) = (document.layers.of(layer), &subject.model);
     let mut texels = vec![None; size * size];
-    for (face, unified) in model.faces.iter().zip(&subject.unified.faces) {
+    for (face, welded) in model.faces.iter().zip(&subject.welded.faces) {
         let uv = face.map(|v| model.uvs[v as usize] * size as f32);
         let [a, b, c] = uv;
         let twice = (b - a).perp(&(c - a));
@@ -64,7 +64,7 @@ pub fn paint_map(document: &Document, layer: Layer, size: usize) -> Result<Paint
                 let at =
                     y.rem_euclid(size as i64) as usize * size + x.rem_euclid(size as i64) as usize;
                 let blend = |k: usize| {
-                    (0..3).map(|c| weights[c] * values[unified[c] as usize][k]).sum::<f32>()
+                    (0..3).map(|c| weights[c] * values[welded[c] as usize][k]).sum::<f32>()
                 };
                 texels[at] = Some([blend(0), blend(1), blend(2), blend(3)]);
             }

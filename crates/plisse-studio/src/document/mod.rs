@@ -39,7 +39,7 @@ pub struct Document {
 impl Document {
     /// An unpainted document about `subject`.
     pub fn new(subject: Subject) -> Self {
-        let layers = Layers::neutral(subject.unified.count());
+        let layers = Layers::neutral(subject.welded.count());
         let settings = Settings::for_subject(&subject);
         Self {
             subject: Arc::new(subject),

@@ -1,7 +1,7 @@
 //! The file `NAME.plisse.json`: a document beside its model.
 //!
 //! JSON with the fields of [`Saved`]. The model stays in its own file, named relative to this one.
-//! Layers are lists of `[vertex, a, b, c, d]` for the painted unified vertices (the numbers of
+//! Layers are lists of `[vertex, a, b, c, d]` for the painted welded vertices (the numbers of
 //! [`Layer`]). `docs/studio.md` describes the format.
 
 use plisse::{Error, Result};
@@ -43,7 +43,7 @@ pub struct SavedModel {
     pub own: Option<String>,
     /// Path of a file, relative to this one if possible.
     pub file: Option<String>,
-    /// Number of its unified vertices.
+    /// Number of its welded vertices.
     pub vertices: usize,
     /// Number of its faces.
     pub faces: usize,
@@ -63,7 +63,7 @@ pub struct SavedLayer {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "(u32, f32, f32, f32, f32)", into = "(u32, f32, f32, f32, f32)")]
 pub struct PaintedVertex {
-    /// The unified vertex.
+    /// The welded vertex.
     pub vertex: u32,
     /// Its numbers.
     pub numbers: [f32; 4],
@@ -107,7 +107,7 @@ pub fn write(document: &Document, name_of: impl Fn(&std::path::Path) -> String) 
         model: SavedModel {
             own,
             file,
-            vertices: subject.unified.count(),
+            vertices: subject.welded.count(),
             faces: subject.model.faces.len(),
         },
         settings: document.settings.clone(),
@@ -148,7 +148,7 @@ pub fn read(place: &str, text: &str) -> Result<Saved> {
 }
 
 impl Saved {
-    /// The layers for a model of `count` unified vertices and `faces` faces.
+    /// The layers for a model of `count` welded vertices and `faces` faces.
     ///
     /// # Errors
     /// [`Error::Value`] at `place` if the model has changed, or a number is invalid.

@@ -134,11 +134,11 @@ impl Settings {
 }
 
 fn mean_edge_m(subject: &Subject) -> f32 {
-    let (unified, mut sum, mut count) = (&subject.unified, 0.0f64, 0usize);
-    for v in 0..unified.count() {
-        for &n in unified.around(v) {
+    let (welded, mut sum, mut count) = (&subject.welded, 0.0f64, 0usize);
+    for v in 0..welded.count() {
+        for &n in welded.around(v) {
             sum += f64::from(
-                (unified.vertices.positions[n as usize] - unified.vertices.positions[v]).norm(),
+                (welded.vertices.positions[n as usize] - welded.vertices.positions[v]).norm(),
             );
             count += 1;
         }

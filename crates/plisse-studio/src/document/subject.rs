@@ -1,4 +1,4 @@
-//! The subject of a document: a model with its unified vertices, built in or read from a file,
+//! The subject of a document: a model with its welded vertices, built in or read from a file,
 //! perhaps the start of a scene.
 
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ pub struct Subject {
     /// The model as it is drawn.
     pub model: Model,
     /// The mesh that is simulated and painted.
-    pub unified: WeldedMesh,
+    pub welded: WeldedMesh,
     /// The scene that it came from, if any.
     pub scene: Option<SceneText>,
     /// The reader's notes on what it ignored or repaired, one sentence each.
@@ -80,10 +80,10 @@ impl Subject {
 
     /// The subject of a model.
     pub fn new(source: Source, mut model: Model) -> Self {
-        let unified = WeldedMesh::new(&model, TOLERANCE);
-        fill_normals(&mut model, &unified);
-        let size_m = diagonal_m(&unified);
-        Self { source, model, unified, scene: None, notes: Vec::new(), size_m }
+        let welded = WeldedMesh::new(&model, TOLERANCE);
+        fill_normals(&mut model, &welded);
+        let size_m = diagonal_m(&welded);
+        Self { source, model, welded, scene: None, notes: Vec::new(), size_m }
     }
 
     /// The start of the scene in `text`, which came from `path`.
@@ -94,15 +94,15 @@ impl Subject {
         let scene = parse(&path, &text)?;
         let built = ready(&scene)?;
         let notes = built.notes.clone();
-        let (model, unified) = start_of(&built);
+        let (model, welded) = start_of(&built);
         let scene = SceneText { text, scene, built: Arc::new(built) };
-        let size_m = diagonal_m(&unified);
-        Ok(Self { source: Source::File(path), model, unified, scene: Some(scene), notes, size_m })
+        let size_m = diagonal_m(&welded);
+        Ok(Self { source: Source::File(path), model, welded, scene: Some(scene), notes, size_m })
     }
 
     /// `[U]` wavelengths (m) that the model's vertex colours ask for, or one for all.
     pub fn own_wavelength_m(&self, wavelength_m: f32) -> Vec<f32> {
-        wavelength::per_vertex(&self.unified, wavelength_m, self.model.wavelength_share.as_deref())
+        wavelength::per_vertex(&self.welded, wavelength_m, self.model.wavelength_share.as_deref())
     }
 
     /// Size of the rest pose (m): the diagonal of its bounding box.
@@ -111,8 +111,8 @@ impl Subject {
     }
 }
 
-fn diagonal_m(unified: &WeldedMesh) -> f32 {
-    let [low, high] = bounds(&unified.vertices.positions);
+fn diagonal_m(welded: &WeldedMesh) -> f32 {
+    let [low, high] = bounds(&welded.vertices.positions);
     (high - low).norm().max(1e-6)
 }
 
@@ -158,11 +158,11 @@ fn start_of(built: &BuiltScene) -> (Model, WeldedMesh) {
         faces.clone(),
     );
     model.draw.normals = vertex_normals(&positions, &faces);
-    let unified = one_to_one(&model);
-    (model, unified)
+    let welded = one_to_one(&model);
+    (model, welded)
 }
 
-/// The unified mesh of a model whose vertices are not welded.
+/// The welded mesh of a model whose vertices are not welded.
 pub fn one_to_one(model: &Model) -> WeldedMesh {
     let count = model.draw.positions.len();
     let mut pairs: Vec<[u32; 2]> = Vec::with_capacity(6 * model.faces.len());

@@ -138,7 +138,7 @@ pub fn restore(place: &str, text: &str, folder: &Path) -> Result<Document> {
             return Err(Error::value(place, "it names no model; give model.own or model.file"));
         }
     };
-    let layers = saved.layers(place, subject.unified.count(), subject.model.faces.len())?;
+    let layers = saved.layers(place, subject.welded.count(), subject.model.faces.len())?;
     let mut document = Document::new(subject);
     document.layers = layers;
     document.settings = saved.settings;

@@ -173,7 +173,7 @@ impl Picture<'_> {
             return;
         }
         let posed = self.viewport.posed(&subject);
-        if posed.positions.len() != subject.unified.count() {
+        if posed.positions.len() != subject.welded.count() {
             return;
         }
         if self.tools.paint(self.document, &posed) {
@@ -193,12 +193,12 @@ impl Picture<'_> {
     /// The point of the surface under a point of the picture.
     fn hit(&self, at: Vec2) -> Option<Hit> {
         let frame = self.viewport.frame.as_ref()?;
-        let unified = &self.document.subject.unified;
-        if frame.posed.positions.len() != unified.count() {
+        let welded = &self.document.subject.welded;
+        if frame.posed.positions.len() != welded.count() {
             return None;
         }
         let canvas = Canvas {
-            unified,
+            welded,
             vertex_faces: &self.tools.vertex_faces,
             posed: &frame.posed.positions,
         };
@@ -208,8 +208,8 @@ impl Picture<'_> {
     /// Shows the brush's rim on the surface.
     fn rim(&self, ui: &Ui, rect: Rect, at: Vec2) {
         let (Some(hit), Some(frame)) = (self.hit(at), &self.viewport.frame) else { return };
-        let [a, b, c] = self.document.subject.unified.faces[hit.face]
-            .map(|v| frame.posed.positions[v as usize]);
+        let [a, b, c] =
+            self.document.subject.welded.faces[hit.face].map(|v| frame.posed.positions[v as usize]);
         let Some(n) = (b - a).cross(&(c - a)).try_normalize(1e-30) else { return };
         let other = if n.x.abs() < 0.7 { Vec3::x() } else { Vec3::y() };
         let Some(u) = n.cross(&other).try_normalize(1e-9) else { return };

@@ -120,8 +120,8 @@ fn coloured(ui: &Ui, message: &Message, text: String) -> RichText {
 /// Shows the status line: size of the mesh, milliseconds, device, and the last message.
 pub(crate) fn status(ui: &mut Ui, document: &Document, viewport: &Viewport, shell: &Shell) {
     ui.horizontal(|ui| {
-        let unified = &document.subject.unified;
-        ui.label(format!("{} vertices, {} faces", unified.count(), unified.faces.len()));
+        let welded = &document.subject.welded;
+        ui.label(format!("{} vertices, {} faces", welded.count(), welded.faces.len()));
         ui.separator();
         if let Some(frame) = &viewport.frame {
             let total: f32 = frame.stage_ms.values().iter().sum();

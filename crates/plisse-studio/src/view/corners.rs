@@ -18,13 +18,13 @@ use crate::document::layers::{Range, amount};
 /// Least strain (no unit) at the ends of the colour scale.
 const LEAST_STRAIN: f32 = 0.02;
 
-/// Waves and pose of a surface, as views need them. `U` unified vertices, `F` faces.
+/// Waves and pose of a surface, as views need them. `U` welded vertices, `F` faces.
 #[derive(Clone, Copy)]
 pub struct ViewedSurface<'a> {
     /// `[F]` faces as they are drawn wrinkled.
     pub wrinkled: &'a [[Corner; 3]],
     /// The mesh at rest.
-    pub unified: &'a WeldedMesh,
+    pub welded: &'a WeldedMesh,
     /// `[F]` principal strain, the lesser first; `None`: it is computed from the mesh at rest.
     pub strain: Option<&'a [[f32; 2]]>,
     /// The posed vertices.
@@ -52,7 +52,7 @@ pub fn faces(surface: &ViewedSurface<'_>, view: View) -> (Vec<[Corner; 3]>, Scal
             let scale = if most > 0.0 { 1.0 / most } else { 0.0 };
             let unit = |x: f32| format!("{:.3} mm", 1e3 * x);
             let of = |f: usize| {
-                surface.unified.faces[f]
+                surface.welded.faces[f]
                     .map(|v| Scale::Heat.uv(surface.amplitude_m[v as usize] * scale))
             };
             let legend = legend("Amplitude", [0.0, 0.5 * most, most].map(unit), Scale::Heat);
@@ -105,12 +105,12 @@ fn strained(surface: &ViewedSurface<'_>) -> (Vec<[Corner; 3]>, Scale, Option<Leg
         Some(strain) => strain,
         None => {
             own = surface
-                .unified
+                .welded
                 .faces
                 .iter()
                 .map(|face| {
                     principal_strain(
-                        &surface.unified.vertices.positions,
+                        &surface.welded.vertices.positions,
                         &surface.posed.positions,
                         face,
                     )
@@ -145,7 +145,7 @@ fn painted(surface: &ViewedSurface<'_>, layer: Layer) -> (Vec<[Corner; 3]>, Scal
         if reversed { 1.0 - t } else { t }
     };
     let of = |f: usize| {
-        surface.unified.faces[f]
+        surface.welded.faces[f]
             .map(|v| Scale::Heat.uv(values.get(v as usize).map_or(0.0, |&x| share(x))))
     };
     let text = |x: f32| match layer {

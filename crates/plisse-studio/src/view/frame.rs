@@ -27,7 +27,7 @@ pub struct Solid {
     /// `[U]` posed vertices.
     pub posed: Arc<PosedVertices>,
     /// The mesh that is shown.
-    pub unified: Arc<WeldedMesh>,
+    pub welded: Arc<WeldedMesh>,
     /// `[U]` amplitude (m).
     pub amplitude_m: Vec<f32>,
     /// `[U]` wave vectors (rad/m).

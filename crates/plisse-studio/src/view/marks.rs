@@ -110,26 +110,26 @@ fn chosen(count: usize) -> impl Iterator<Item = usize> {
 }
 
 /// Half the typical length of an edge (m), from a sample.
-fn half_edge_m(unified: &WeldedMesh, positions: &[Vec3]) -> f32 {
-    let mut lengths: Vec<f32> = chosen(unified.count())
-        .flat_map(|v| unified.around(v).iter().map(move |&n| (v, n as usize)))
+fn half_edge_m(welded: &WeldedMesh, positions: &[Vec3]) -> f32 {
+    let mut lengths: Vec<f32> = chosen(welded.count())
+        .flat_map(|v| welded.around(v).iter().map(move |&n| (v, n as usize)))
         .map(|(v, n)| (positions[n] - positions[v]).norm())
         .collect();
     lengths.sort_by(f32::total_cmp);
-    let thinned = unified.count().div_ceil(MOST).max(1) as f32;
+    let thinned = welded.count().div_ceil(MOST).max(1) as f32;
     0.42 * lengths.get(lengths.len() / 2).copied().unwrap_or(0.0) * thinned.sqrt()
 }
 
 /// The direction of crests at each vertex: lines across the wave vectors.
 pub fn crests(
-    unified: &WeldedMesh,
+    welded: &WeldedMesh,
     posed: &PosedVertices,
     wave: &[Vec3],
     strength: &[f32],
     camera: &Camera,
 ) -> Vec<Mark> {
-    let depths = Depths::new(camera, &posed.positions, &unified.faces);
-    let half_m = half_edge_m(unified, &posed.positions);
+    let depths = Depths::new(camera, &posed.positions, &welded.faces);
+    let half_m = half_edge_m(welded, &posed.positions);
     let mark = |v: usize| {
         let along = posed.normals[v].cross(&wave[v]).try_normalize(1e-12)?;
         let (p, d) = (posed.positions[v], along * half_m);
@@ -139,21 +139,21 @@ pub fn crests(
             strength: strength[v].clamp(0.0, 1.0),
         })
     };
-    chosen(unified.count()).filter(|&v| strength[v] > 0.0).filter_map(mark).collect()
+    chosen(welded.count()).filter(|&v| strength[v] > 0.0).filter_map(mark).collect()
 }
 
 /// Expansion as ellipses: a small circle, grown by the expansion of its vertex; none where the
 /// expansion is zero.
 pub fn ellipses(
-    unified: &WeldedMesh,
+    welded: &WeldedMesh,
     posed: &PosedVertices,
     expansion: &[[f32; 4]],
     camera: &Camera,
 ) -> Vec<Mark> {
-    let depths = Depths::new(camera, &posed.positions, &unified.faces);
-    let radius_m = 0.5 * half_edge_m(unified, &posed.positions);
+    let depths = Depths::new(camera, &posed.positions, &welded.faces);
+    let radius_m = 0.5 * half_edge_m(welded, &posed.positions);
     let mut marks = Vec::new();
-    for v in chosen(unified.count()) {
+    for v in chosen(welded.count()) {
         let [x, y, z, all] = expansion[v];
         let grows = Vec3::new(x, y, z);
         if (grows.norm() + all) <= 1e-4 || depths.visible(&posed.positions[v]).is_none() {
@@ -194,10 +194,10 @@ mod tests {
 
     #[test]
     fn the_far_side_is_hidden() {
-        let unified = WeldedMesh::new(&models::sleeve(), 1e-5);
-        let x = &unified.vertices.positions;
+        let welded = WeldedMesh::new(&models::sleeve(), 1e-5);
+        let x = &welded.vertices.positions;
         let camera = Camera::fit(x.iter(), 0.0, 0.0, 1.5);
-        let depths = Depths::new(&camera, x, &unified.faces);
+        let depths = Depths::new(&camera, x, &welded.faces);
         let visible = |front: bool| {
             x.iter()
                 .filter(|p| {

@@ -65,19 +65,19 @@ impl RendererState {
         let drawn = self.step(live, request.steps, &mut ms);
         let begun = Instant::now();
         let frame = Frame { state: &self.live, drawn: &drawn };
-        let wrinkled = gather(&subject.model, &subject.unified, &frame);
+        let wrinkled = gather(&subject.model, &subject.welded, &frame);
         ms[Stage::Gather] = milliseconds(begun);
         let state = Arc::new(self.live.clone());
         let surface = ViewedSurface {
             wrinkled: &wrinkled,
-            unified: &subject.unified,
+            welded: &subject.welded,
             strain: None,
             posed: &Arc::new(state.posed.clone()),
             amplitude_m: &state.waves.amplitude_m,
             layer: &request.layer,
             eye: request.camera.eye,
         };
-        let phase_error = state.mean_phase_error(&subject.unified);
+        let phase_error = state.mean_phase_error(&subject.welded);
         let marks = marks(request, &surface, &state.waves.wave, &state.waves.strength);
         let frame = self.render_faces(request, &surface, None);
         ms[Stage::Render] = frame.stage_ms[Stage::Render];
@@ -87,7 +87,7 @@ impl RendererState {
     fn render_solid(&mut self, request: &RenderRequest, solid: &Solid) -> RenderedFrame {
         let surface = ViewedSurface {
             wrinkled: &solid.coarse,
-            unified: &solid.unified,
+            welded: &solid.welded,
             strain: Some(&solid.strain),
             posed: &solid.posed,
             amplitude_m: &solid.amplitude_m,
@@ -124,7 +124,7 @@ impl RendererState {
         for k in 1..=steps {
             let at = from + (time_s - from) * k as f32 / steps as f32;
             self.live.step_watched(
-                &subject.unified,
+                &subject.welded,
                 &pose(&subject.model, clip, at),
                 options,
                 |stage| {
@@ -185,9 +185,9 @@ fn marks(
     strength: &[f32],
 ) -> Vec<Mark> {
     match request.view {
-        View::Direction => crests(surface.unified, surface.posed, wave, strength, &request.camera),
-        View::Expansion if request.layer.len() == surface.unified.count() => {
-            ellipses(surface.unified, surface.posed, &request.layer, &request.camera)
+        View::Direction => crests(surface.welded, surface.posed, wave, strength, &request.camera),
+        View::Expansion if request.layer.len() == surface.welded.count() => {
+            ellipses(surface.welded, surface.posed, &request.layer, &request.camera)
         }
         _ => Vec::new(),
     }

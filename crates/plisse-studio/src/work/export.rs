@@ -97,7 +97,7 @@ pub fn write<T: Send>(
 fn played(document: &Document) -> Result<(LiveState, PosedVertices, LiveOptions)> {
     let (subject, options) = (&document.subject, document.live_options());
     let mut player =
-        Player::new(&subject.model, &subject.unified, &options, document.settings.clip.as_deref())?;
+        Player::new(&subject.model, &subject.welded, &options, document.settings.clip.as_deref())?;
     let drawn = player.play_to(if document.settings.clip.is_some() {
         document.settings.time_s
     } else {
@@ -184,10 +184,10 @@ fn live(document: &Document) -> Result<FineMesh> {
     let subject = &document.subject;
     let (state, drawn, _) = played(document)?;
     let profile = document.settings.profile.profile();
-    let parts = suggest_parts(&subject.unified, document.settings.wavelength_m, PARTS_PER_WAVE);
+    let parts = suggest_parts(&subject.welded, document.settings.wavelength_m, PARTS_PER_WAVE);
     check_size(&subject.model, parts, 1)?;
     let frame = Frame { state: &state, drawn: &drawn };
-    Ok(refine(&subject.model, &subject.unified, &frame, &profile, parts))
+    Ok(refine(&subject.model, &subject.welded, &frame, &profile, parts))
 }
 
 fn plain_of(fine: &FineMesh) -> Plain {
@@ -221,7 +221,7 @@ fn maps(source: &Source, path: &Path, size: usize) -> Result<Vec<PathBuf>> {
     let profile = document.settings.profile.profile();
     let baked = bake::bake(
         &subject.model,
-        &subject.unified,
+        &subject.welded,
         &Frame { state: &state, drawn: &drawn },
         &profile,
         &Options { size, padding: PADDING },
@@ -281,9 +281,9 @@ fn field(source: &Source, path: &Path) -> Result<Vec<PathBuf>> {
         }),
         Source::Live(document) => {
             let subject = &document.subject;
-            let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;
+            let topology = plisse_live::field::topology(&subject.model.name, &subject.welded)?;
             let (state, ..) = played(document)?;
-            let coupling = state.coupling(&subject.unified);
+            let coupling = state.coupling(&subject.welded);
             let field = plisse_live::field::to_field(&topology, &coupling, &state.phase);
             one_file(path, |out| plisse::field::json::write(out, &topology, &field))
         }

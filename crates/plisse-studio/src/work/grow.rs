@@ -202,8 +202,8 @@ pub(super) fn painted(document: &Document) -> Result<Painted> {
             )
         }
         None => {
-            let topology = plisse_live::field::topology(&subject.model.name, &subject.unified)?;
-            let start: Vec<Vec3> = subject.unified.vertices.positions.iter().map(unshown).collect();
+            let topology = plisse_live::field::topology(&subject.model.name, &subject.welded)?;
+            let start: Vec<Vec3> = subject.welded.vertices.positions.iter().map(unshown).collect();
             let rest = RestMetric::from_shape(&start, &topology.faces).at(&subject.model.name)?;
             let count = start.len();
             (topology, rest, start, vec![false; count])

@@ -118,7 +118,7 @@ pub(crate) fn solid(topology: &Topology, posed: PosedVertices, waves: &Waves) ->
     Solid {
         coarse: corners(topology, &posed, Some(waves)),
         fine: None,
-        unified: Arc::new(unified(topology, &posed)),
+        welded: Arc::new(welded(topology, &posed)),
         posed: Arc::new(posed),
         amplitude_m: waves.amplitude_m.clone(),
         wave: waves.wave.clone(),
@@ -147,7 +147,7 @@ fn corners(topology: &Topology, posed: &PosedVertices, waves: Option<&Waves>) ->
 }
 
 /// The mesh of a surface to show.
-fn unified(topology: &Topology, posed: &PosedVertices) -> WeldedMesh {
+fn welded(topology: &Topology, posed: &PosedVertices) -> WeldedMesh {
     let model = plisse_live::model::Model::rigid(
         "",
         posed.positions.clone(),
