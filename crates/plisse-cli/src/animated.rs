@@ -21,7 +21,7 @@ pub(crate) fn is_model_file(input: &Path) -> bool {
 pub(crate) fn open(input: &str, waves: &WaveArguments, others: &str) -> Result<LiveModel> {
     let path = Path::new(input);
     let found = if is_model_file(path) || path.is_file() {
-        Some(gltf_in::read(path)?)
+        Some(gltf_in::read_scene(path, waves.scene.as_deref())?)
     } else {
         models::by_name(input)?
     };
@@ -35,6 +35,12 @@ pub(crate) fn open(input: &str, waves: &WaveArguments, others: &str) -> Result<L
             ),
         )
     })?;
+    if let Some(scene) = waves.scene.as_deref().filter(|_| !path.is_file()) {
+        return Err(Error::value(
+            "--scene",
+            format!("{input} has no scenes, so there is no \"{scene}\"; leave it out"),
+        ));
+    }
     let Some(wavelength_m) = waves.wavelength else {
         return Err(Error::value(
             "--wavelength",

@@ -161,6 +161,9 @@ pub(crate) struct WaveArguments {
     /// Animation to play [default: the first one]
     #[arg(long, value_name = "NAME")]
     pub(crate) clip: Option<String>,
+    /// Scene of the file to read, by name or number [default: the file's own default]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) scene: Option<String>,
     /// Rounds of relaxation a frame [default: 1]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(0..=1000))]
     pub(crate) rounds: Option<u32>,
@@ -190,6 +193,7 @@ impl WaveArguments {
             ("--wavelength-map", self.wavelength_map.is_some()),
             ("--profile", self.profile.is_some()),
             ("--clip", self.clip.is_some()),
+            ("--scene", self.scene.is_some()),
             ("--rounds", self.rounds.is_some()),
             ("--unrelaxed", self.unrelaxed),
             ("--every", self.every.is_some()),

@@ -88,7 +88,7 @@ pub struct Channel {
     pub target: Target,
     /// Rule for values between keys.
     pub interpolation: Interpolation,
-    /// `[keys]` times (s), ascending.
+    /// `[keys]` times (s), not descending; where two are the same, the value jumps.
     pub times: Vec<f32>,
     /// `[keys][1 or 3][width]` values; for [`Interpolation::Cubic`] in-tangent, value, out-tangent
     /// of each key.
@@ -144,6 +144,8 @@ pub struct Model {
     pub clips: Vec<Clip>,
     /// The base colour image as the file has it (PNG or JPEG bytes).
     pub base_colour: Option<Vec<u8>>,
+    /// The reader's notes on what it repaired or left out, one sentence each.
+    pub notes: Vec<String>,
 }
 
 impl Model {

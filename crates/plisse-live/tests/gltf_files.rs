@@ -278,8 +278,6 @@ fn broken_files_end_in_one_sentence() {
         )
         .contains("compressed")
     );
-    let moved = with(&|j| j["animations"][0]["channels"][0]["target"]["node"] = json!(42));
-    assert!(sentence("moves a node that is not there", &moved).contains("node 42"));
     sentence("wrong mesh index", &with(&|j| j["nodes"][0]["mesh"] = json!(7)));
     sentence(
         "no positions",
@@ -295,8 +293,186 @@ fn broken_files_end_in_one_sentence() {
     sentence("NaN weight", &patched(76, &f32::NAN.to_le_bytes()));
     sentence("NaN position", &patched(0, &f32::INFINITY.to_le_bytes()));
     sentence("vertex out of range", &patched(48, &[200]));
-    sentence("keys out of order", &patched(140, &2f32.to_le_bytes()));
-    sentence("NaN key", &patched(140, &f32::NAN.to_le_bytes()));
+}
+
+/// A file with one fault, its notes, and the number of channels that are left.
+fn repaired(json: &Value, bin: &[u8]) -> (plisse_live::model::Model, String, usize) {
+    let model = from_bytes("model.glb", &glb(json, bin), None).unwrap();
+    let channels = model.clips.iter().map(|clip| clip.channels.len()).sum();
+    let notes = model.notes.join("\n");
+    (model, notes, channels)
+}
+
+#[test]
+fn channels_that_cannot_be_read_are_left_out_with_a_note() {
+    let (json, bin) = sound();
+    assert_eq!(repaired(&json, &bin).1, "");
+    let accessor = "/animations/0/samplers/0/input";
+    for (path, value, note) in [
+        ("/animations/0/channels/0/target/node", json!(42), "moves node 42"),
+        ("/animations/0/channels/0/sampler", json!(7), "has no keys"),
+        (accessor, json!(99), "has no keys"),
+        (accessor, json!(0), "3 numbers where 1 belong"),
+        ("/accessors/5/count", json!(1), "not one value per key"),
+    ] {
+        let mut json = json.clone();
+        *json.pointer_mut(path).unwrap() = value;
+        let (model, notes, channels) = repaired(&json, &bin);
+        assert!(channels == 0 && notes.contains(note) && notes.ends_with("left out"), "{notes}");
+        assert_eq!((model.clips[0].name.as_str(), model.faces.len()), ("turn", 2));
+    }
+    let mut broken = bin;
+    broken[140..144].copy_from_slice(&f32::NAN.to_le_bytes());
+    let (_, notes, channels) = repaired(&json, &broken);
+    assert_eq!(channels, 0);
+    assert_eq!(
+        notes,
+        "clip \"turn\", channel 0: entry 0 is no finite number; the channel was left out"
+    );
+}
+
+#[test]
+fn doubled_keys_jump_and_disordered_ones_are_sorted() {
+    let floats = |list: &[f32]| list.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let shifts = [0f32, 1., 5., 6.].map(|x| [x, 0., 0.]).concat();
+    for (times, note) in [
+        ([0f32, 1., 1., 2.], "1 key(s) have the time of the key before"),
+        ([1., 0., 2., 3.], "1 key(s) were earlier"),
+    ] {
+        let (mut json, bin) = with_views(&[floats(&times), floats(&shifts)]);
+        for (view, kind) in [(6, "SCALAR"), (7, "VEC3")] {
+            json["accessors"].as_array_mut().unwrap().push(json!({
+                "bufferView": view, "componentType": 5126, "count": 4, "type": kind,
+            }));
+        }
+        json["animations"][0]["samplers"][0] = json!({"input": 6, "output": 7});
+        json["animations"][0]["channels"][0]["target"]["path"] = json!("translation");
+        let (model, notes, _) = repaired(&json, &bin);
+        assert!(notes.starts_with("clip \"turn\", channel 0: ") && notes.contains(note), "{notes}");
+        let at = |time_s| plisse_live::model::sample(&model.clips[0].channels[0], time_s)[0];
+        let expected = if times[0] == 0.0 { [0.5, 5.0, 5.5] } else { [0.5, 0.0, 2.5] };
+        assert_eq!([at(0.5), at(1.0), at(1.5)], expected);
+    }
+}
+
+#[test]
+fn an_accessor_without_a_view_is_all_zeros() {
+    let (mut json, bin) = sound();
+    json["accessors"]
+        .as_array_mut()
+        .unwrap()
+        .push(json!({"componentType": 5126, "count": 4, "type": "VEC3"}));
+    json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 6, "NORMAL": 6}]);
+    let (model, notes, _) = repaired(&json, &bin);
+    assert_eq!(notes, "");
+    assert_eq!(model.draw.morphs[0].positions, [plisse_live::Vec3::zeros(); 4]);
+    assert_eq!(model.faces.len(), 2);
+}
+
+#[test]
+fn names_in_latin_1_change_nothing() {
+    let (mut json, bin) = sound();
+    json["animations"][0]["name"] = json!("turn\u{e9}?");
+    let plain = from_bytes("model.glb", &glb(&json, &bin), None).unwrap();
+    // The two bytes of é in UTF-8 become the one of Latin-1; another sign keeps the length.
+    let mut file = glb(&json, &bin);
+    let at = file.windows(2).position(|b| b == "\u{e9}".as_bytes()).unwrap();
+    file[at..at + 3].copy_from_slice(b"\xE9?!");
+    let odd = from_bytes("model.glb", &file, None).unwrap();
+    assert_eq!(odd.clips[0].name, "turn\u{e9}?!");
+    assert!(odd.notes[0].contains("Latin-1"), "{:?}", odd.notes);
+    assert_eq!((odd.draw, odd.faces), (plain.draw, plain.faces));
+}
+
+#[test]
+fn other_formats_are_named_with_the_way_to_go() {
+    let named = |bytes: &[u8], name: &str| {
+        let message = from_bytes(name, bytes, None).unwrap_err().to_string();
+        assert!(message.starts_with(name) && !message.contains('\n'), "{message}");
+        assert_eq!(message.matches(';').count(), 1, "{message}");
+        message
+    };
+    for (bytes, name, format) in [
+        (&b"{\"asset\": {\"version\": \"1.0\"}, \"meshes\": {}}"[..], "old.gltf", "glTF 1.0"),
+        (b"glTF\x01\0\0\0\x14\0\0\0\0\0\0\0\0\0\0\0", "old.glb", "glTF 1.0"),
+        (b"Kaydara FBX Binary  \0\x1a\0", "a.fbx", "FBX"),
+        (b"; FBX 7.4.0 project file", "a.glb", "FBX"),
+        (b"Ogawa\xff\0\x01", "a.abc", "Alembic"),
+        (b"#usda 1.0", "a.usd", "USD"),
+        (b"PK\x03\x04", "a.usdz", "USD"),
+        (b"PK\x03\x04", "a.zip", "zip"),
+        (b"v 0 0 0\nf 1 1 1\n", "a.obj", "OBJ"),
+        (b"solid a", "a.stl", "STL"),
+        (b"version https://git-lfs.github.com/spec/v1", "a.glb", "Git LFS"),
+    ] {
+        let message = named(bytes, name);
+        assert!(message.contains(format), "{message}");
+    }
+    // A plain text that says nothing stays no valid glTF.
+    assert!(named(b"what is this", "a.txt").contains("no valid glTF"));
+}
+
+#[test]
+fn compression_is_refused_by_name_where_nothing_else_holds_the_geometry() {
+    let (json, bin) = sound();
+    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression"] {
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let mut json = json.clone();
+            json[list] = json!([name]);
+            if name.starts_with("KHR") {
+                json["meshes"][0]["primitives"][0]["extensions"] = json!({name: {"bufferView": 0}});
+                for accessor in 0..4 {
+                    json["accessors"][accessor].as_object_mut().unwrap().remove("bufferView");
+                }
+            } else {
+                json["bufferViews"][0]["extensions"] = json!({name: {"buffer": 0}});
+                json["buffers"].as_array_mut().unwrap().push(json!({
+                    "byteLength": 48, "extensions": {name: {"fallback": true}},
+                }));
+                json["bufferViews"][0]["buffer"] = json!(1);
+            }
+            let message = sentence(name, &glb(&json, &bin));
+            assert!(message.contains("compressed") && message.contains(name), "{message}");
+        }
+    }
+    // Used, but the same numbers are there uncompressed.
+    let mut json = json;
+    json["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({"KHR_draco_mesh_compression": {"bufferView": 0}});
+    assert_eq!(from_bytes("model.glb", &glb(&json, &bin), None).unwrap().faces.len(), 2);
+}
+
+#[test]
+fn the_default_scene_is_read_or_the_one_asked_for() {
+    let (mut json, bin) = sound();
+    json["nodes"] = json!([{"mesh": 0}, {"children": [2]}, {"mesh": 0, "translation": [5, 0, 0]}]);
+    json.as_object_mut().unwrap().remove("skins");
+    json["scenes"] = json!([{"nodes": [0]}, {"nodes": [1], "name": "spare"}, {"nodes": []}]);
+    let read = |json: &Value, scene: Option<&str>| {
+        plisse_live::gltf_in::scene_from_bytes("model.glb", &glb(json, &bin), None, scene)
+    };
+    let starts = |json: &Value, scene: Option<&str>| {
+        let model = read(json, scene).unwrap();
+        let starts: Vec<f32> = model.draw.positions.chunks(4).map(|c| c[0].x).collect();
+        (starts, model.notes.join("\n"))
+    };
+    let (found, notes) = starts(&json, None);
+    assert_eq!(found, [0.0]);
+    assert!(notes.contains("only scene 0 of 3"), "{notes}");
+    assert_eq!(starts(&json, Some("spare")).0, [5.0]);
+    assert_eq!(starts(&json, Some("1")).0, [5.0]);
+    let message = read(&json, Some("other")).unwrap_err().to_string();
+    assert!(message.ends_with("; ask for one of 0, 1 (\"spare\"), 2"), "{message}");
+    json["scene"] = json!(1);
+    assert_eq!(starts(&json, None).0, [5.0]);
+    // A default without meshes: all of them, and that is said.
+    json["scene"] = json!(2);
+    let (found, notes) = starts(&json, None);
+    assert!(found == [0.0, 5.0] && notes.contains("shows no mesh"), "{notes}");
+    json.as_object_mut().unwrap().remove("scenes");
+    assert_eq!(starts(&json, None), (vec![0.0, 5.0], String::new()));
+    assert!(read(&json, Some("spare")).is_err());
 }
 
 /// Parts of a file that this reader has no use for never make it unusable, even if they are broken.

@@ -45,6 +45,7 @@ pub(super) fn model(job: &mut Job<'_>) -> Result<RunEnd> {
     (report.kind, report.wavelength_m, report.profile) =
         ("live", Some(*wavelength_m), Some(a.waves.profile.clone().unwrap_or("sine".into())));
     (report.vertices, report.faces) = (welded.count(), model.faces.len());
+    report.notes.extend(model.notes.iter().cloned());
     report.clip = player.clip().map(|c| c.name.clone());
     report.height_scale_m = f64::from(bake::largest_height_m(&options.wavelength_m, profile));
     let bars = Bars::new(job.interrupted);

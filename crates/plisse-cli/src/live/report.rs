@@ -47,6 +47,7 @@ impl Report {
             wavelength_m: live.wavelength_m,
             fps: arguments.fps,
             size,
+            notes: live.model.notes.clone(),
             ..Self::default()
         };
         if clip.is_none() {

@@ -88,7 +88,7 @@ impl Accessors<'_> {
 
     /// Puts the entries of a sparse accessor into `values`, the numbers under it.
     fn put_sparse(&self, accessor: &Accessor<'_>, values: &mut [f64], what: &str) -> Result<()> {
-        let Some(sparse) = accessor.sparse() else { return Ok(()) };
+        let Some(sparse) = accessor.sparse().filter(|s| s.count() > 0) else { return Ok(()) };
         let (width, count) = (accessor.dimensions().multiplicity(), accessor.count());
         let (data_type, size) = (accessor.data_type(), accessor.size());
         let (indices, others) = (sparse.indices(), sparse.values());

@@ -12,7 +12,11 @@
 //! pose gives: files whose skeleton carries a change of unit would seem to be compressed otherwise.
 
 mod accessors;
+mod clips;
+mod formats;
 mod primitive;
+mod scenes;
+mod text;
 mod trim;
 mod uri;
 
@@ -21,7 +25,6 @@ use std::fmt::Display;
 use std::ops::Range;
 use std::path::Path;
 
-use gltf::animation::Property;
 use nalgebra::UnitQuaternion;
 use plisse::{Error, Result};
 
@@ -29,18 +32,26 @@ use self::accessors::Accessors;
 use self::primitive::Instance;
 use self::trim::{Image, trim};
 use self::uri::{load, short};
-use crate::model::{Channel, Clip, Interpolation, Model, Morph, Node, Target, order_nodes};
+use crate::model::{Model, Morph, Node, order_nodes};
 use crate::skin::{pose, skin};
 use crate::weld::{WeldedMesh, fill_normals};
 use crate::{Mat4, Vec3};
 
-/// Reads the model in the file `path`.
+/// Reads the model in the file `path`: its default scene.
 ///
 /// # Errors
 /// [`Error::File`] if it cannot be read; [`Error::Mesh`] as [`from_bytes`].
 pub fn read(path: &Path) -> Result<Model> {
+    read_scene(path, None)
+}
+
+/// Reads the scene of this name or number in the file `path`; the default one without.
+///
+/// # Errors
+/// As [`read`]; [`Error::Mesh`] for a scene that is not there.
+pub fn read_scene(path: &Path, scene: Option<&str>) -> Result<Model> {
     let bytes = plisse::io::disk::read(path).map_err(|e| Error::reading(path, e))?;
-    from_bytes(&path.display().to_string(), &bytes, path.parent())
+    scene_from_bytes(&path.display().to_string(), &bytes, path.parent(), scene)
 }
 
 /// The model in `bytes`; files it names are looked for in `folder`.
@@ -50,7 +61,23 @@ pub fn read(path: &Path) -> Result<Model> {
 /// or too short, a joint or vertex index is out of range, a number is no number, nodes form a ring,
 /// nothing has positions and faces.
 pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Model> {
+    scene_from_bytes(place, bytes, folder, None)
+}
+
+/// The scene of this name or number in `bytes`, or the default one; otherwise as [`from_bytes`].
+///
+/// # Errors
+/// As [`from_bytes`]; [`Error::Mesh`] for a scene that is not there.
+pub fn scene_from_bytes(
+    place: &str,
+    bytes: &[u8],
+    folder: Option<&Path>,
+    scene: Option<&str>,
+) -> Result<Model> {
     let bad = |message: String| Error::mesh(place, message);
+    if let Some(sentence) = formats::other_format(bytes, place) {
+        return Err(bad(sentence));
+    }
     check_length(bytes).map_err(bad)?;
     let invalid =
         |e: &dyn Display| bad(format!("this is no valid glTF 2.0 file ({e}); export it again"));
@@ -60,19 +87,25 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
     } else {
         (Cow::Borrowed(bytes), None)
     };
-    let mut root = serde_json::from_slice(&text).map_err(|e| invalid(&e))?;
-    let image = trim(&mut root).map_err(bad)?;
+    let (mut root, note) = text::parse(&text).map_err(|e| invalid(&e))?;
+    if root["asset"]["version"].as_str().is_some_and(|v| v.starts_with(['0', '1'])) {
+        return Err(bad(formats::gltf_1()));
+    }
+    let mut notes: Vec<String> = note.into_iter().collect();
+    let shown = scenes::shown(&root, scene).map_err(bad)?;
+    notes.extend(shown.note);
+    let image = trim(&mut root, &mut notes).map_err(bad)?;
     let root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
     let file = gltf::Document::from_json(root).map_err(|e| invalid(&e))?;
     let buffers = read_buffers(&file, blob.as_deref(), folder).map_err(bad)?;
     let mut reader = Reader {
         accessors: Accessors { place, buffers },
-        model: Model { name: place.to_owned(), ..Model::default() },
+        model: Model { name: place.to_owned(), notes, ..Model::default() },
         targets_of_node: Vec::new(),
     };
     reader.nodes(&file)?;
     let mut skinned = Vec::new();
-    for node in file.nodes().filter(|n| n.mesh().is_some()) {
+    for node in file.nodes().filter(|n| n.mesh().is_some() && shown.nodes[n.index()]) {
         let first = Counts::of(&reader.model);
         reader.instance(&node)?;
         if node.skin().is_some() {
@@ -85,7 +118,7 @@ pub fn from_bytes(place: &str, bytes: &[u8], folder: Option<&Path>) -> Result<Mo
         ));
     }
     reader.pad();
-    reader.clips(&file)?;
+    reader.clips(&file);
     let image = image.and_then(|image| match image {
         Image::View(v) => {
             let view = file.views().nth(v)?;
@@ -311,51 +344,6 @@ impl Reader<'_> {
         if let Some(shares) = &mut self.model.wavelength_share {
             shares.resize(count, 1.0);
         }
-    }
-
-    fn clips(&mut self, file: &gltf::Document) -> Result<()> {
-        for animation in file.animations() {
-            let name =
-                animation.name().map_or_else(|| animation.index().to_string(), str::to_owned);
-            let mut clip = Clip { name: name.clone(), channels: Vec::new() };
-            for channel in animation.channels() {
-                let node = channel.target().node().index();
-                let (target, width) = match channel.target().property() {
-                    Property::Translation => (Target::Translation(node), 3),
-                    Property::Rotation => (Target::Rotation(node), 4),
-                    Property::Scale => (Target::Scale(node), 3),
-                    Property::MorphTargetWeights => {
-                        let targets = self.targets_of_node[node].clone();
-                        if targets.is_empty() {
-                            continue;
-                        }
-                        (Target::Weights(targets.start, targets.len()), targets.len())
-                    }
-                };
-                let sampler = channel.sampler();
-                let what = format!("clip \"{name}\", channel {}", channel.index());
-                let times = self.accessors.numbers(&sampler.input(), 1, &what)?;
-                let output_width = if matches!(target, Target::Weights(..)) { 1 } else { width };
-                let values = self.accessors.numbers(&sampler.output(), output_width, &what)?;
-                let (interpolation, parts) = match sampler.interpolation() {
-                    gltf::animation::Interpolation::Step => (Interpolation::Step, 1),
-                    gltf::animation::Interpolation::Linear => (Interpolation::Linear, 1),
-                    gltf::animation::Interpolation::CubicSpline => (Interpolation::Cubic, 3),
-                };
-                if times.is_empty()
-                    || times.windows(2).any(|t| t[1] <= t[0])
-                    || values.len() != times.len() * parts * width
-                {
-                    return self.bad(format!(
-                        "{what} has no keys, keys out of order, or not one \
-                        value per key; export the file again"
-                    ));
-                }
-                clip.channels.push(Channel { target, interpolation, times, values });
-            }
-            self.model.clips.push(clip);
-        }
-        Ok(())
     }
 }
 

@@ -30,22 +30,18 @@ pub(super) enum Image {
 }
 
 /// Removes from `root`, the JSON of a file, all that is not read; returns the image of the first
-/// material that has one, unchecked.
+/// material that has one, unchecked. Channels that cannot be read go too, with a sentence of
+/// `notes` each.
 ///
 /// # Errors
-/// A sentence without its place, if the geometry is compressed or a clip moves a node that is not
-/// there.
-pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
-    if let Some(name) = each(&root["extensionsRequired"])
-        .filter_map(Value::as_str)
-        .find(|name| COMPRESSIONS.contains(name))
-    {
+/// A sentence without its place, if the geometry is compressed.
+pub(super) fn trim(root: &mut Value, notes: &mut Vec<String>) -> Result<Option<Image>, String> {
+    if let Some(name) = compression(root) {
         return Err(format!(
             "its geometry is compressed ({name}), which is not read; export it without compression"
         ));
     }
     let image = image(root);
-    let nodes = each(&root["nodes"]).count();
     for node in entries(root, "nodes") {
         keep(
             node,
@@ -82,7 +78,18 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
             accessor.insert("max".to_owned(), json!([0, 0, 0]));
         }
     }
-    trim_animations(root, nodes)?;
+    // An accessor without a view is all zeros; the parser knows such accessors as sparse ones only.
+    for accessor in entries(root, "accessors").filter_map(Value::as_object_mut) {
+        if !accessor.contains_key("bufferView") && !accessor.contains_key("sparse") {
+            let none = json!({
+                "count": 0,
+                "indices": {"bufferView": 0, "componentType": 5121},
+                "values": {"bufferView": 0},
+            });
+            accessor.insert("sparse".to_owned(), none);
+        }
+    }
+    trim_animations(root, notes);
     for view in entries(root, "bufferViews") {
         keep(view, &["buffer", "byteOffset", "byteLength", "byteStride"]);
     }
@@ -93,25 +100,84 @@ pub(super) fn trim(root: &mut Value) -> Result<Option<Image>, String> {
     Ok(image)
 }
 
-/// Removes the channels that move anything but a property of one of the `nodes` nodes.
-fn trim_animations(root: &mut Value, nodes: usize) -> Result<(), String> {
+/// The compression that geometry cannot be read without. Where it is only *used*, the same numbers
+/// may stand in the file uncompressed too.
+fn compression(root: &Value) -> Option<&'static str> {
+    let accessors = &root["accessors"];
+    let is_missing = |name: &str| {
+        let is_required = each(&root["extensionsRequired"]).any(|e| e == name);
+        let has_no_view = |accessor: &Value| {
+            let accessor = index(accessor).and_then(|a| accessors.get(a));
+            accessor.is_some_and(|a| a["bufferView"].is_null() && a["sparse"].is_null())
+        };
+        let mut primitives = each(&root["meshes"]).flat_map(|mesh| each(&mesh["primitives"]));
+        let is_in_primitive = primitives.any(|p| {
+            let attributes = p["attributes"].as_object();
+            !p["extensions"][name].is_null()
+                && attributes
+                    .into_iter()
+                    .flatten()
+                    .map(|a| a.1)
+                    .chain([&p["indices"]])
+                    .any(has_no_view)
+        });
+        let is_in_view = each(&root["bufferViews"]).any(|view| {
+            let buffer = index(&view["buffer"]).map_or(&Value::Null, |b| &root["buffers"][b]);
+            !view["extensions"][name].is_null()
+                && buffer["uri"].is_null()
+                && buffer["extensions"][name]["fallback"] == true
+        });
+        is_required || is_in_primitive || is_in_view
+    };
+    COMPRESSIONS.into_iter().find(|name| is_missing(name))
+}
+
+/// Removes the channels that move anything but a property of a node, and, with a note, those whose
+/// node, sampler or numbers are not there.
+fn trim_animations(root: &mut Value, notes: &mut Vec<String>) {
+    let count = |name: &str| each(&root[name]).count();
+    let (nodes, accessors) = (count("nodes"), count("accessors"));
     for (a, animation) in entries(root, "animations").enumerate() {
-        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
-            continue;
-        };
-        // Extensions let a clip move other things, which have no node or another path.
-        let target = |channel: &Value| {
-            let path = channel["target"]["path"].as_str()?;
-            PROPERTIES.contains(&path).then_some(index(&channel["target"]["node"])?)
-        };
-        channels.retain(|channel| target(channel).is_some());
-        if let Some(n) = channels.iter().filter_map(target).find(|&n| n >= nodes) {
-            return Err(format!(
-                "clip {a} moves node {n}, but there are only {nodes}; export it again"
-            ));
+        let samplers: Vec<Value> = each(&animation["samplers"]).cloned().collect();
+        let (mut kept, mut kept_samplers) = (Vec::new(), Vec::new());
+        for (c, channel) in each(&animation["channels"]).enumerate() {
+            // Extensions let a clip move other things, which have no node or another path.
+            let target = &channel["target"];
+            let is_known = target["path"].as_str().is_some_and(|p| PROPERTIES.contains(&p));
+            let Some(node) = index(&target["node"]).filter(|_| is_known) else { continue };
+            let sampler = index(&channel["sampler"]).and_then(|s| samplers.get(s));
+            let is_there = |value: &Value| index(value).is_some_and(|i| i < accessors);
+            let fault = match sampler {
+                _ if node >= nodes => format!("moves node {node}, but there are only {nodes}"),
+                Some(s) if is_there(&s["input"]) && is_there(&s["output"]) => {
+                    kept.push(json!({
+                        "sampler": kept_samplers.len(),
+                        "target": {"node": node, "path": target["path"]},
+                    }));
+                    kept_samplers.push(plain_sampler(s));
+                    continue;
+                }
+                _ => "has no keys".to_owned(),
+            };
+            notes.push(format!("clip {a}, channel {c} {fault}; the channel was left out"));
+        }
+        let name = animation["name"].as_str().map(str::to_owned);
+        *animation = json!({"channels": kept, "samplers": kept_samplers});
+        if let Some(name) = name {
+            animation["name"] = json!(name);
         }
     }
-    Ok(())
+}
+
+/// A sampler with the interpolation that it names, or else the linear one.
+fn plain_sampler(sampler: &Value) -> Value {
+    let named = sampler["interpolation"].as_str();
+    let interpolation = named.filter(|i| ["STEP", "CUBICSPLINE"].contains(i)).unwrap_or("LINEAR");
+    json!({
+        "input": sampler["input"],
+        "output": sampler["output"],
+        "interpolation": interpolation,
+    })
 }
 
 /// The image of the first material with a base colour image, of either kind of material.
@@ -130,12 +196,13 @@ fn image(root: &Value) -> Option<Image> {
     index(&image["bufferView"]).map(Image::View).or_else(uri)
 }
 
-fn index(value: &Value) -> Option<usize> {
+/// The index that `value` is.
+pub(super) fn index(value: &Value) -> Option<usize> {
     value.as_u64().and_then(|i| usize::try_from(i).ok())
 }
 
 /// The entries of an array; none of anything else.
-fn each(list: &Value) -> impl Iterator<Item = &Value> {
+pub(super) fn each(list: &Value) -> impl Iterator<Item = &Value> {
     list.as_array().into_iter().flatten()
 }
 

@@ -83,7 +83,7 @@ impl Subject {
         let welded = WeldedMesh::new(&model, TOLERANCE);
         fill_normals(&mut model, &welded);
         let size_m = diagonal_m(&welded);
-        Self { source, model, welded, scene: None, notes: Vec::new(), size_m }
+        Self { source, notes: model.notes.clone(), model, welded, scene: None, size_m }
     }
 
     /// The start of the scene in `text`, which came from `path`.
