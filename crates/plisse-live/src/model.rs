@@ -46,6 +46,15 @@ pub struct Node {
     pub scale: Vec3,
 }
 
+impl Node {
+    /// Map from the node to its parent.
+    pub fn local(&self) -> Mat4 {
+        Mat4::new_translation(&self.translation)
+            * self.rotation.to_homogeneous()
+            * Mat4::new_nonuniform_scaling(&self.scale)
+    }
+}
+
 impl Default for Node {
     fn default() -> Self {
         Self {

@@ -45,10 +45,7 @@ pub fn pose(model: &Model, clip: Option<&Clip>, time_s: f32) -> Pose {
     }
     let mut world = vec![Mat4::identity(); nodes.len()];
     for &n in &model.node_order {
-        let node = &nodes[n];
-        let local = Mat4::new_translation(&node.translation)
-            * node.rotation.to_homogeneous()
-            * Mat4::new_nonuniform_scaling(&node.scale);
+        let (node, local) = (&nodes[n], nodes[n].local());
         world[n] = node.parent.map_or(local, |p| world[p] * local);
     }
     let palette = model

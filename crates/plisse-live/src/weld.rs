@@ -2,11 +2,15 @@
 //! [Loviscach 2006]), with their neighbours.
 //!
 //! A texture seam splits vertices, but wrinkles must run across it. Vertices at one place become
-//! one vertex, whatever their normals, texture coordinates and weights; its weights are those of
-//! the first draw vertex there.
+//! one vertex, whatever their normals and texture coordinates, if they move alike: joints, weights
+//! and morph shifts agree. Others only touch, as closed lips do, or two rigid parts. A welded
+//! vertex has the weights of its first draw vertex.
+
+mod agreement;
 
 use std::collections::HashMap;
 
+use self::agreement::Motions;
 use crate::Vec3;
 use crate::model::{Model, Morph, Vertices};
 
@@ -27,10 +31,10 @@ pub struct WeldedMesh {
 
 impl WeldedMesh {
     /// Welds `model`'s draw vertices that are less than `tolerance` (a share of the bounding
-    /// box's diagonal; 1e-5 does for most files) apart.
+    /// box's diagonal; 1e-5 does for most files) apart and move alike.
     pub fn new(model: &Model, tolerance: f32) -> Self {
         let draw = &model.draw;
-        let (vertex_of_draw, first) = weld(&draw.positions, tolerance);
+        let (vertex_of_draw, first) = weld(model, tolerance);
         let pick = |list: &[Vec3]| -> Vec<Vec3> {
             if list.is_empty() { Vec::new() } else { first.iter().map(|&v| list[v]).collect() }
         };
@@ -110,12 +114,14 @@ pub fn vertex_normals(positions: &[Vec3], faces: &[[u32; 3]]) -> Vec<Vec3> {
     normals.iter().map(|n| n.try_normalize(1e-30).unwrap_or_else(Vec3::zeros)).collect()
 }
 
-/// `[V]` group of each position, and `[groups]` the first position of each. Groups are counted in
+/// `[V]` group of each draw vertex, and `[groups]` the first vertex of each. Groups are counted in
 /// the order of their first members.
-fn weld(positions: &[Vec3], tolerance: f32) -> (Vec<u32>, Vec<usize>) {
+fn weld(model: &Model, tolerance: f32) -> (Vec<u32>, Vec<usize>) {
+    let positions = &model.draw.positions;
     let low = positions.iter().fold(Vec3::repeat(f32::INFINITY), |a, p| a.inf(p));
     let high = positions.iter().fold(Vec3::repeat(f32::NEG_INFINITY), |a, p| a.sup(p));
     let reach = ((high - low).norm() * tolerance).max(f32::MIN_POSITIVE);
+    let motions = Motions::new(model, [low, high], reach);
     let cell =
         |p: &Vec3| [0, 1, 2].map(|k| (f64::from(p[k] - low[k]) / f64::from(reach)).floor() as i64);
     let mut firsts_in_cell: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
@@ -127,7 +133,8 @@ fn weld(positions: &[Vec3], tolerance: f32) -> (Vec<u32>, Vec<usize>) {
             let near =
                 [here[0] + shift % 3 - 1, here[1] + shift / 3 % 3 - 1, here[2] + shift / 9 - 1];
             for &g in firsts_in_cell.get(&near).into_iter().flatten() {
-                if (positions[first[g as usize]] - p).norm() <= reach {
+                let other = first[g as usize];
+                if (positions[other] - p).norm() <= reach && motions.agree(other, v) {
                     found = Some(found.map_or(g, |f| f.min(g)));
                 }
             }
