@@ -10,10 +10,13 @@
 //! A mesh that hangs on a node without a skin counts as skinned to that node alone. Bind-space
 //! positions are scaled (uniformly, by the median of edge lengths) to the size that the nodes' own
 //! pose gives: files whose skeleton carries a change of unit would seem to be compressed otherwise.
+//! Faces of mirrored nodes are turned, so that they show the same side as the file's.
 
 mod accessors;
 mod clips;
 mod formats;
+mod instancing;
+mod mirror;
 mod primitive;
 mod scenes;
 mod text;
@@ -36,6 +39,9 @@ use crate::model::{Model, Morph, Node, order_nodes};
 use crate::skin::{pose, skin};
 use crate::weld::{WeldedMesh, fill_normals};
 use crate::{Mat4, Vec3};
+
+/// Largest number of draw vertices of all meshes and copies together.
+const MOST_VERTICES: usize = 1 << 25;
 
 /// Reads the model in the file `path`: its default scene.
 ///
@@ -94,6 +100,7 @@ pub fn scene_from_bytes(
     let mut notes: Vec<String> = note.into_iter().collect();
     let shown = scenes::shown(&root, scene).map_err(bad)?;
     notes.extend(shown.note);
+    let copies = instancing::copies(&root);
     let image = trim(&mut root, &mut notes).map_err(bad)?;
     let root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
     let file = gltf::Document::from_json(root).map_err(|e| invalid(&e))?;
@@ -102,8 +109,10 @@ pub fn scene_from_bytes(
         accessors: Accessors { place, buffers },
         model: Model { name: place.to_owned(), notes, ..Model::default() },
         targets_of_node: Vec::new(),
+        copies_of_node: Vec::new(),
     };
     reader.nodes(&file)?;
+    reader.copies(&file, &copies)?;
     let mut skinned = Vec::new();
     for node in file.nodes().filter(|n| n.mesh().is_some() && shown.nodes[n.index()]) {
         let first = Counts::of(&reader.model);
@@ -133,6 +142,7 @@ pub fn scene_from_bytes(
     model.base_colour = image;
     for [first, end] in skinned {
         scale_rest(&mut model, first, end);
+        mirror::unmirror(&mut model, first, end);
     }
     let welded = WeldedMesh::new(&model, 1e-5);
     fill_normals(&mut model, &welded);
@@ -214,6 +224,8 @@ struct Reader<'a> {
     model: Model,
     /// `[N]` morph targets of the mesh on each node.
     targets_of_node: Vec<Range<usize>>,
+    /// `[N]` nodes at which the mesh of each node is drawn: itself, if it has no copies.
+    copies_of_node: Vec<Vec<usize>>,
 }
 
 impl Reader<'_> {
@@ -249,6 +261,7 @@ impl Reader<'_> {
             }
         }
         self.targets_of_node = vec![0..0; self.model.nodes.len()];
+        self.copies_of_node = (0..self.model.nodes.len()).map(|n| vec![n]).collect();
         match order_nodes(&self.model.nodes) {
             Some(order) => self.model.node_order = order,
             None => return self.bad(
@@ -258,21 +271,9 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Adds the mesh on `node` with all its triangles.
+    /// Adds the mesh on `node` with all its triangles, as often as it is drawn.
     fn instance(&mut self, node: &gltf::Node<'_>) -> Result<()> {
         let mesh = node.mesh().expect("only nodes with meshes are asked");
-        let first_joint = self.model.palette_nodes.len();
-        let own = match node.skin() {
-            Some(skin) => {
-                self.skin(&skin)?;
-                Mat4::identity()
-            }
-            None => self.own_joint(node.index()),
-        };
-        let joint_count = self.model.palette_nodes.len() - first_joint;
-        if first_joint + joint_count > usize::from(u16::MAX) {
-            return self.bad("the file has more than 65535 joints in all; split it");
-        }
         let targets = mesh.primitives().map(|p| p.morph_targets().count()).max().unwrap_or(0);
         let first_target = self.model.draw.morphs.len();
         self.targets_of_node[node.index()] = first_target..first_target + targets;
@@ -283,11 +284,31 @@ impl Reader<'_> {
                 .morph_weights
                 .push(weights.get(t).copied().filter(|w| w.is_finite()).unwrap_or(0.0));
         }
-        let is_skinned = node.skin().is_some();
-        let instance = Instance { is_skinned, first_joint, joint_count, first_target, own };
-        for primitive in mesh.primitives() {
-            let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-            self.primitive(&primitive, &place, &instance)?;
+        for copy in self.copies_of_node[node.index()].clone() {
+            let first_joint = self.model.palette_nodes.len();
+            let own = match node.skin() {
+                Some(skin) => {
+                    self.skin(&skin)?;
+                    Mat4::identity()
+                }
+                None => self.own_joint(copy),
+            };
+            let joint_count = self.model.palette_nodes.len() - first_joint;
+            if first_joint + joint_count > usize::from(u16::MAX) {
+                return self
+                    .bad("the file has more than 65535 joints or copies of meshes; split it");
+            }
+            let is_skinned = node.skin().is_some();
+            let instance = Instance { is_skinned, first_joint, joint_count, first_target, own };
+            for primitive in mesh.primitives() {
+                let place = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
+                self.primitive(&primitive, &place, &instance)?;
+            }
+            if self.model.draw.positions.len() > MOST_VERTICES {
+                return self.bad(format!(
+                    "its meshes and their copies have more than {MOST_VERTICES} vertices; split it"
+                ));
+            }
         }
         Ok(())
     }
@@ -319,10 +340,7 @@ impl Reader<'_> {
         let mut at = Some(node);
         while let Some(n) = at {
             let node = &self.model.nodes[n];
-            own = Mat4::new_translation(&node.translation)
-                * node.rotation.to_homogeneous()
-                * Mat4::new_nonuniform_scaling(&node.scale)
-                * own;
+            own = node.local() * own;
             at = node.parent;
         }
         let back = own.try_inverse().unwrap_or_else(|| {

@@ -73,7 +73,9 @@ impl Reader<'_> {
         draw.joints.extend(joints);
         draw.weights.extend(weights);
         self.model.uvs.extend(uvs);
-        self.model.faces.extend(triangles.iter().map(|f| f.map(|v| v + base as u32)));
+        let is_mirrored = linear.determinant() < 0.0;
+        let turned = |[a, b, c]: [u32; 3]| if is_mirrored { [a, c, b] } else { [a, b, c] };
+        self.model.faces.extend(triangles.iter().map(|&f| turned(f).map(|v| v + base as u32)));
         Ok(())
     }
 
