@@ -222,3 +222,18 @@ fn instances_are_drawn_at_their_places() {
         assert!((posed[v] - Vec3::from(place)).norm() < 1e-5, "{v}: {}", posed[v]);
     }
 }
+
+#[test]
+fn a_node_that_grows_from_nothing_has_its_full_size_at_rest() {
+    let mut file = File::new();
+    let zero = [0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 0., 1.];
+    for node in [json!({"scale": [0, 0, 0]}), json!({"matrix": zero})] {
+        file.json["nodes"] = json!([node, {"children": [0], "scale": [3, 3, 3]}]);
+        file.json["nodes"][0]["mesh"] = json!(0);
+        file.json["scenes"] = json!([{"nodes": [1]}]);
+        let model = file.read();
+        assert!((model.draw.positions[3] - Vec3::new(3.0, 3.0, 0.0)).norm() < 1e-6);
+        let posed = skin(&model.draw, &pose(&model, None, 0.0)).positions;
+        assert!(posed.iter().all(|x| x.norm() < 1e-6));
+    }
+}

@@ -235,7 +235,7 @@ impl Reader<'_> {
 
     fn nodes(&mut self, file: &gltf::Document) -> Result<()> {
         for node in file.nodes() {
-            let (t, r, s) = node.transform().decomposed();
+            let (t, r, s) = decomposed(&node.transform());
             if t.iter().chain(&r).chain(&s).any(|x| !x.is_finite()) {
                 return self.bad(format!(
                     "node {} has a transform that is no number; correct it",
@@ -334,12 +334,16 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Adds the node to the palette as its own joint; its map to the world.
+    /// Adds the node to the palette as its own joint; its map to the world. A node that is scaled
+    /// to nothing, from which a clip lets it grow, counts as one of full size.
     fn own_joint(&mut self, node: usize) -> Mat4 {
         let mut own = Mat4::identity();
         let mut at = Some(node);
         while let Some(n) = at {
-            let node = &self.model.nodes[n];
+            let mut node = self.model.nodes[n].clone();
+            if node.scale == Vec3::zeros() {
+                node.scale = Vec3::repeat(1.0);
+            }
             own = node.local() * own;
             at = node.parent;
         }
@@ -363,6 +367,18 @@ impl Reader<'_> {
             shares.resize(count, 1.0);
         }
     }
+}
+
+/// Translation, rotation and scale of a node; a matrix without a volume has no rotation.
+fn decomposed(transform: &gltf::scene::Transform) -> ([f32; 3], [f32; 4], [f32; 3]) {
+    let parts = transform.clone().decomposed();
+    let gltf::scene::Transform::Matrix { matrix } = transform else { return parts };
+    let is_finite = |list: &[f32]| list.iter().all(|x| x.is_finite());
+    if is_finite(&parts.1) || !matrix.iter().all(|column| is_finite(column)) {
+        return parts;
+    }
+    let length = |c: usize| Vec3::from_column_slice(&matrix[c][..3]).norm();
+    ([matrix[3][0], matrix[3][1], matrix[3][2]], [0.0, 0.0, 0.0, 1.0], [0, 1, 2].map(length))
 }
 
 /// Scales the rest positions of one skinned instance to the size that the nodes' pose gives. The
