@@ -162,3 +162,63 @@ impl ClosestClosedForm {
         Rounded { phases: moved, turns: closest.integers, exact: closest.exact }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::phase_unknowns::one_form;
+    use crate::mesh::Vec3;
+
+    /// A flat ring of `n` quads, each cut in two, whose outer rim is not round.
+    fn ring(n: usize) -> (Topology, RestMetric) {
+        let place = |v: usize| {
+            let angle = std::f64::consts::TAU * (v / 2) as f64 / n as f64;
+            let radius = if v.is_multiple_of(2) { 1.0 } else { 2.0 + 0.3 * angle.sin() };
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
+        };
+        let positions: Vec<Vec3> = (0..2 * n).map(place).collect();
+        let quad = |k: usize| [2 * k, 2 * k + 1, (2 * k + 3) % (2 * n), (2 * k + 2) % (2 * n)];
+        let faces: Vec<[usize; 3]> =
+            (0..n).map(quad).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let topology = Topology::new(positions.len(), faces.clone()).unwrap();
+        (topology, RestMetric::from_shape(&positions, &faces).unwrap())
+    }
+
+    #[test]
+    fn phases_move_so_that_whole_periods_change_the_form_least() {
+        let (topology, rest) = ring(12);
+        let forms = ClosedForms::new(&topology, &vec![false; topology.face_count()]);
+        let weight = vec![1.0; topology.face_count()];
+        let mut equations = ClosestClosedForm::new(&topology, &rest, &forms, &weight).unwrap();
+        let mut phases: Vec<f64> = (0..topology.vertex_count).map(|v| (v as f64).sin()).collect();
+        phases[forms.roots[0]] = 0.0;
+        let turn = std::f64::consts::TAU;
+        let coefficients = [3.3 * turn];
+        let before = one_form(&topology, &forms, &phases, &coefficients);
+        let distance = |phases: &[f64], turns: i64| {
+            let after = one_form(&topology, &forms, phases, &[turn * turns as f64]);
+            let change = |e: usize| after[e] - before[e];
+            (0..topology.face_count())
+                .map(|f| {
+                    let [first, _, last] = topology.face_edges[f];
+                    let along_01 = topology.side_sign(f, 0) * change(first);
+                    let along_02 = -topology.side_sign(f, 2) * change(last);
+                    let face = &rest.faces[f];
+                    face.area_m2 * face.one_form(along_01, along_02).norm_squared()
+                })
+                .sum::<f64>()
+        };
+
+        let rounded = equations.with_whole_periods(&phases, &coefficients);
+        assert_eq!((rounded.turns[0].abs(), rounded.exact), (3, true));
+        let least = distance(&rounded.phases, rounded.turns[0]);
+        assert!(least < 0.9 * distance(&phases, rounded.turns[0]), "{least}");
+        for v in (0..topology.vertex_count).filter(|&v| v != forms.roots[0]) {
+            for step in [-1e-3, 1e-3] {
+                let mut trial = rounded.phases.clone();
+                trial[v] += step;
+                assert!(distance(&trial, rounded.turns[0]) > least, "vertex {v}, step {step}");
+            }
+        }
+    }
+}
