@@ -4,7 +4,7 @@
 mod sheets;
 
 use plisse::growth::{
-    AdaptOptions, Expansion, GrowingSurface, GrownSurface, GrowthMaps, GrowthOptions, LoadSteps,
+    AdaptOptions, Expansion, GrowingSurface, GrownSurface, GrowthOptions, LoadSteps,
     follow_adapting, grow,
 };
 use plisse::mesh::{Topology, Vec2, Vec3};
@@ -20,24 +20,13 @@ fn growth(y: f64) -> f64 {
     1.0 + 0.3 * ((0.375 - y) / 0.125).clamp(0.0, 1.0)
 }
 
-/// A growing surface that starts as `sheet`.
-fn growing_surface(
-    sheet: &PosedSheet,
-    expansion: &Expansion,
-    wavelength_m: f64,
-    coherence_m: f64,
-) -> GrowingSurface {
-    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
-    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
-}
-
 fn growing(sheet: &PosedSheet) -> GrowingSurface {
     let n = sheet.pose.len();
     let factors: Vec<f64> = sheet.pose.iter().map(|p| growth(p.y)).collect();
     let expansion =
         Expansion::from_directions(&sheet.topology, &sheet.pose, &vec![Vec3::x(); n], &factors)
             .unwrap();
-    let mut growing = growing_surface(sheet, &expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
+    let mut growing = sheet.growing_surface(&expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     growing
@@ -148,7 +137,7 @@ fn a_coarse_mesh_becomes_fine_where_it_grows_and_folds_as_a_fine_one() {
 fn growing_by_one_changes_nothing() {
     let sheet = PosedSheet::rectangle(1.0, 1.0, 0.2, 3);
     let expansion = Expansion::none(&sheet.topology, &sheet.pose).unwrap();
-    let growing = growing_surface(&sheet, &expansion, 0.01, 0.0);
+    let growing = sheet.growing_surface(&expansion, 0.01, 0.0);
     let (surface, asked) = adapted(&growing, &AdaptOptions::new(0.05));
     assert_eq!(
         (&surface.surface.topology, &surface.surface.rest, &asked),

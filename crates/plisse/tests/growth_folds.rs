@@ -7,8 +7,7 @@
 mod sheets;
 
 use plisse::growth::{
-    Expansion, GrowingSurface, GrowthMaps, GrowthOptions, GrowthReport, LoadSteps, ProceduralMap,
-    follow, grow,
+    Expansion, GrowingSurface, GrowthOptions, GrowthReport, LoadSteps, ProceduralMap, follow, grow,
 };
 use plisse::linalg::Ending;
 use plisse::mesh::crossing::crossing_pairs;
@@ -21,17 +20,6 @@ use plisse::shell::Loads;
 use sheets::PosedSheet;
 
 const CREST: f64 = 10.0 * std::f64::consts::PI / 180.0;
-
-/// A growing surface that starts as `sheet`.
-fn growing_surface(
-    sheet: &PosedSheet,
-    expansion: &Expansion,
-    wavelength_m: f64,
-    coherence_m: f64,
-) -> GrowingSurface {
-    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
-    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
-}
 
 /// A square of side 1 m, grown along x.
 struct Square {
@@ -71,7 +59,7 @@ impl Square {
         )
         .unwrap();
         let coherence_m = self.coherence * self.wavelength_m;
-        let mut growing = growing_surface(sheet, &expansion, self.wavelength_m, coherence_m);
+        let mut growing = sheet.growing_surface(&expansion, self.wavelength_m, coherence_m);
         let boundary = sheet.topology.boundary_vertices();
         growing.freeze(|v, _| boundary[v]);
         growing
@@ -244,7 +232,7 @@ fn rigid_motion_and_renumbering_do_not_matter() {
         &vec![square.growth; n],
     )
     .unwrap();
-    let mut growing = growing_surface(&moved, &expansion, square.wavelength_m, square.wavelength_m);
+    let mut growing = moved.growing_surface(&expansion, square.wavelength_m, square.wavelength_m);
     growing.places = places;
     let boundary = moved.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
@@ -427,7 +415,7 @@ fn what_nothing_holds_finds_one_dome() {
         ProceduralMap::Radial { centre: Vec3::new(0.5, 0.5, 0.0), axis: Vec3::z(), radius_m: 0.5 };
     let factors = spots.map(&sheet.pose, 1.0, 1.2);
     let expansion = Expansion::from_factors(&sheet.topology, &sheet.pose, &factors).unwrap();
-    let mut growing = growing_surface(&sheet, &expansion, 0.3, 0.0);
+    let mut growing = sheet.growing_surface(&expansion, 0.3, 0.0);
     growing.freeze(|_, p| p.norm() < 1e-9);
     let options = GrowthOptions { iteration_limit: 400, ..GrowthOptions::default() };
     let height = |pose: &[Vec3]| {

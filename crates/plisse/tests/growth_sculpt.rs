@@ -4,26 +4,13 @@
 mod sheets;
 
 use plisse::growth::sculpt::{Change, Dab, Paint, SculptOptions, Sculpture, SurfacePoint};
-use plisse::growth::{
-    Expansion, GrowingSurface, GrowthAt, GrowthMaps, GrowthOptions, LoadSteps, follow,
-};
+use plisse::growth::{Expansion, GrowthAt, GrowthOptions, LoadSteps, follow};
 use plisse::linalg::Ending;
 use plisse::mesh::Vec3;
 use plisse::progress::Silent;
 use sheets::PosedSheet;
 
 const WAVELENGTH_M: f64 = 0.1;
-
-/// A growing surface that starts as `sheet`.
-fn growing_surface(
-    sheet: &PosedSheet,
-    expansion: &Expansion,
-    wavelength_m: f64,
-    coherence_m: f64,
-) -> GrowingSurface {
-    let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
-    GrowingSurface::new(sheet.topology.clone(), sheet.rest.clone(), sheet.pose.clone(), maps)
-}
 
 /// A sheet of 1 m × 0.6 m that has grown by `growth` along x, all sides frozen, at rest to
 /// `tolerance`.
@@ -37,7 +24,7 @@ fn grown(growth: f64, tolerance: f64) -> (PosedSheet, Sculpture) {
         &vec![growth; n],
     )
     .unwrap();
-    let mut growing = growing_surface(&sheet, &expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
+    let mut growing = sheet.growing_surface(&expansion, WAVELENGTH_M, 4.0 * WAVELENGTH_M);
     let boundary = sheet.topology.boundary_vertices();
     growing.freeze(|v, _| boundary[v]);
     let options = GrowthOptions { tolerance, ..GrowthOptions::default() };

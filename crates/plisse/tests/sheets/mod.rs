@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Deref;
 
 use plisse::field::{FieldOptions, Solved, solve};
+use plisse::growth::{Expansion, GrowingSurface, GrowthMaps};
 use plisse::linalg::Ending;
 use plisse::material::Material;
 use plisse::mesh::Vec3;
@@ -50,6 +51,17 @@ impl PosedSheet {
     pub(crate) fn at_rest(positions: Vec<Vec3>, faces: Vec<[usize; 3]>) -> Self {
         let rest_shape = RestShape { positions: positions.clone(), faces: faces.clone() };
         Self::new(rest_shape, faces, positions)
+    }
+
+    /// A growing surface that starts here, with the same λ and Λ (m) everywhere.
+    pub(crate) fn growing_surface(
+        &self,
+        expansion: &Expansion,
+        wavelength_m: f64,
+        coherence_m: f64,
+    ) -> GrowingSurface {
+        let maps = GrowthMaps::even(expansion, wavelength_m, coherence_m);
+        GrowingSurface::new(self.topology.clone(), self.rest.clone(), self.pose.clone(), maps)
     }
 
     /// A flat irregular panel at rest, in the plane z = 0.
